@@ -13,6 +13,7 @@ from jointwear.files.wording import name_axes
 from jointwear.monitor.findings.loud import loud_findings
 from jointwear.monitor.findings.thermometers import broken, other_unit
 from jointwear.monitor.local_time import duration
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.another_robot import FEWEST_RISEN, MOST_AXES, Exchange
 from jointwear.monitor.watching.decision import NORMAL
@@ -192,8 +193,9 @@ def _programs(
     if shown is None:
         return []
     result = []
-    for regime in np.setdiff1d(np.unique(shown[~baseline]), [*shown[baseline], -1]):
-        rows = np.flatnonzero(shown == regime)
+    after = after_baseline(baseline)
+    for regime in np.setdiff1d(np.unique(shown[after]), [*shown[baseline], -1]):
+        rows = np.flatnonzero((shown == regime) & after)
         judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
         hours = statistics.length / 3600
         found = {"ran": len(rows) * hours, "judged_after": float(np.argmax(judged)) * hours if judged.any() else None}
@@ -230,7 +232,7 @@ def _shared(
     statistics: WindowStatistics, shift: np.ndarray, baseline: np.ndarray, level: Watch
 ) -> list[dict[str, Any]]:
     """One finding for each run of shifts in which the friction of all axes changed together, with its end, if any."""
-    names = np.unique(shift[~baseline])
+    names = np.unique(shift[after_baseline(baseline)])
     means = np.array([np.mean(level.shared.common[shift == s]) for s in names])
     edges = [0, *(np.flatnonzero(np.diff(np.abs(means) > FINDING)) + 1), len(names)]
     result: list[dict[str, Any]] = []

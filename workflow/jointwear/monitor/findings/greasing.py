@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.watching import Watch
 from jointwear.publishing.report.numbers import fixed
@@ -41,7 +42,7 @@ def greasing_findings(
     shift : (w,) labels. baseline : (w,) bool. of_viscous : (n,) growth of viscous friction, of itself, for one unit of
     `viscous`.
     """
-    judged = ~baseline & (np.isfinite(level.residual) & np.isfinite(viscous.residual)).any(axis=1)
+    judged = after_baseline(baseline) & (np.isfinite(level.residual) & np.isfinite(viscous.residual)).any(axis=1)
     names = np.unique(shift[judged])
     means = [[float(np.mean(w.shared.common[judged & (shift == s)])) for s in names] for w in (level, viscous)]
     whole, part = np.array(means).reshape(2, -1)

@@ -22,6 +22,7 @@ from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.spells import spell_finding, spells
 from jointwear.monitor.normal.series import LOUDEST, loud_windows
+from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
 
@@ -63,11 +64,12 @@ def loud_findings(
     program : (w,) label, -1 unknown, default one program. doubtful : (w,) bool, windows of logs of which samples were
         refused, default none.
     """
-    moved = (statistics.count > 0) & statistics.judgeable
+    moved = (statistics.count > 0) & statistics.judgeable & ~before_baseline(baseline)[:, None]
     noise = np.sqrt(statistics.noise_variance)
     loud = loud_windows(statistics, baseline) & _news(noise, baseline[:, None] & moved)
-    names = np.unique(shift[~baseline])
-    rows = [np.flatnonzero((shift == name) & ~baseline) for name in names]
+    after = after_baseline(baseline)
+    names = np.unique(shift[after])
+    rows = [np.flatnonzero((shift == name) & after) for name in names]
     if doubtful is not None:
         moved &= ~doubtful[:, None]
     usual = known_median(np.where(baseline[:, None], noise, np.nan), axis=0)
@@ -151,7 +153,7 @@ def _of_programs(loud: np.ndarray, moved: np.ndarray, program: np.ndarray, basel
     """
     result = np.zeros(loud.shape, dtype=bool)
     known = np.isin(program, np.setdiff1d(program[baseline], [-1]))
-    for name in np.setdiff1d(program[~baseline], [*program[baseline], -1]):
+    for name in np.setdiff1d(program[after_baseline(baseline)], [*program[baseline], -1]):
         for j in range(loud.shape[1]):
             own = np.flatnonzero((program == name) & moved[:, j])
             beside = np.flatnonzero(known & moved[:, j])

@@ -22,6 +22,7 @@ import numpy as np
 from jointwear.files.wording import name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.spells import spell_finding, spells
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.regimes import (
     ALIKE,
     UNSEEN,
@@ -67,7 +68,8 @@ def odd_motion_findings(
     signature = signatures(statistics)
     centres = _centres(signature, program, baseline)
     still = _stopped(statistics, signature, centres, baseline)
-    rows = [np.flatnonzero((shift == s) & ~baseline) for s in np.unique(shift[~baseline])]
+    after = after_baseline(baseline)
+    rows = [np.flatnonzero((shift == s) & after) for s in np.unique(shift[after])]
     found = []
 
     def tell(odd: list[bool], kind: str, words: Any) -> None:
@@ -156,7 +158,7 @@ def _exchanged(
     result: dict[tuple[int, int], np.ndarray] = {}
     if not centres:
         return result
-    for k in np.flatnonzero(~baseline & np.isfinite(signature).any(axis=1)):
+    for k in np.flatnonzero(after_baseline(baseline) & np.isfinite(signature).any(axis=1)):
         if differences(signature[k], centres).min() <= UNSEEN:
             continue
         for pair in combinations(range(n), 2):
@@ -177,7 +179,7 @@ def _stopped(
         return result
     strange = (statistics.flags & int(Flag.NOT_FINITE | Flag.OUTSIDE_LIMITS | Flag.REFUSED) != 0).any(axis=1)
     moves = np.isfinite(np.array(centres)[:, :n])
-    for k in np.flatnonzero(~baseline & ~strange):
+    for k in np.flatnonzero(after_baseline(baseline) & ~strange):
         still = ~np.isfinite(signature[k, :n])
         for centre in np.flatnonzero((moves & still).sum(axis=1) == 1):
             hidden = moves[centre] & still

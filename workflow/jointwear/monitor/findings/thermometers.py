@@ -9,6 +9,7 @@ import numpy as np
 from jointwear.files.wording import count, name_axes
 from jointwear.measurement.units import UNITS
 from jointwear.monitor.normal.shifts import PAUSE_HOURS
+from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 
 #: Kinds of the findings.
@@ -42,7 +43,7 @@ def other_unit(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[
         far = (given < low) | (given > high)
         for unit, (size, offset) in UNITS["temperature"].items():
             value = given * size + offset
-            there = (far & (value > low) & (value < high)).any(axis=1) & ~baseline
+            there = (far & (value > low) & (value < high)).any(axis=1) & after_baseline(baseline)
             if unit == "degC" or there.sum() < FEWEST:
                 continue
             seen, many = given[there][far[there]], count(int(there.sum()), "window")
@@ -75,9 +76,9 @@ def stuck(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
         long = np.arange(len(rows)) - first + 1
         usual = long[baseline[rows]].max(initial=0)
         if usual < baseline[rows].sum():
-            known = (long >= max(STUCK, LONGER * usual)) & (pauses - pauses[first] >= PAUSES) & ~baseline[rows]
+            known = (long >= max(STUCK, LONGER * usual)) & (pauses - pauses[first] >= PAUSES)
             result[rows[known], j] = True
-    return result
+    return result & after_baseline(baseline)[:, None]
 
 
 def _pauses(statistics: WindowStatistics, rows: np.ndarray) -> np.ndarray:
@@ -100,13 +101,13 @@ def broken(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str,
     baseline : (w,) bool.
     """
     given, stopped = statistics.temperature, stuck(statistics, baseline)
-    known = np.isfinite(given)
+    known = np.isfinite(given) & ~before_baseline(baseline)[:, None]
     with np.errstate(invalid="ignore"):
         spread = np.array([np.ptp(t[k & baseline]) if _enough(statistics, k & baseline) else np.inf
                            for t, k in zip(given.T, known.T, strict=True)])  # fmt: skip
         usual = np.array([[np.min(t[k & baseline], initial=np.inf), np.max(t[k & baseline], initial=-np.inf)]
                           for t, k in zip(given.T, known.T, strict=True)])  # fmt: skip
-        far = ((given < usual[:, 0] - NEAR) | (given > usual[:, 1] + NEAR)) & np.isfinite(usual).all(axis=1)
+        far = known & ((given < usual[:, 0] - NEAR) | (given > usual[:, 1] + NEAR)) & np.isfinite(usual).all(axis=1)
     constant = np.isfinite(spread) & (spread <= SAME)
     result = []
     if constant.any():

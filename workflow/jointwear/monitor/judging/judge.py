@@ -133,7 +133,7 @@ def judge(
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
         anew = [{*own, *(s.window for s in starts)} for own, starts in zip(seen.events, level.starts, strict=True)]
-        alarms += paper_records(statistics, int(np.flatnonzero(first)[-1]) + 1, rate, seen.regime, anew)
+        alarms += paper_records(statistics, first, rate, seen.regime, anew)
     estimates, std, now_error = _estimates(level, viscous, teller.grown, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)

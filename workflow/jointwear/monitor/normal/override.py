@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import significant
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
@@ -85,7 +86,7 @@ def override_findings(
     judged : (w,) bool, whether most axes are.
     """
     change, unseen = _speeds(speed, regime, baseline)
-    rows = np.flatnonzero((unseen != 0) & ~baseline)
+    rows = np.flatnonzero((unseen != 0) & after_baseline(baseline))
     if len(rows) < FEWEST_TOLD:
         return []
     factors = np.exp(change[rows])

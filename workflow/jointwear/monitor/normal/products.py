@@ -19,6 +19,7 @@ import numpy as np
 from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.normal.programs import learnt_in_words
 from jointwear.monitor.normal.series import Series
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.regimes import programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -83,7 +84,7 @@ def with_products(
     result, products = program.copy(), []
     for name in np.unique(program[program >= 0]):
         own = program == name if unseen is None else (program == name) & ~unseen
-        early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, ~baseline))
+        early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, after_baseline(baseline)))
         lacked = not early
         if lacked:
             # The first shift of a program that the baseline lacks stands for the usual product; where it holds an hour

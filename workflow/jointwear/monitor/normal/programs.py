@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.program_labels import window_programs
 from jointwear.monitor.reading.regimes import FEWEST
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -49,8 +50,9 @@ def unseen_programs(labels: np.ndarray, baseline: np.ndarray) -> list[tuple[str,
     names = window_programs(labels)
     seen = np.array([name for name, inside in zip(names, baseline, strict=True) if inside], dtype=str)
     first: dict[str, int] = {}
+    after = after_baseline(baseline)
     for k, name in enumerate(names):
-        if name and not baseline[k] and np.sum(seen == name) < FEWEST:
+        if name and after[k] and np.sum(seen == name) < FEWEST:
             first.setdefault(name, k)
     return list(first.items())
 
@@ -65,7 +67,7 @@ def program_findings(statistics: WindowStatistics, baseline: np.ndarray, judged:
     names = np.array(window_programs(statistics.labels), dtype=object)
     result = []
     for name, k in unseen_programs(statistics.labels, baseline):
-        rows = np.flatnonzero((names == name) & ~baseline)
+        rows = np.flatnonzero((names == name) & after_baseline(baseline))
         words = f"Program '{name}' began, which the baseline does not hold: "
         words += learnt_in_words(judged[rows], statistics.length)
         result.append({"time": float(statistics.start[k]), "axes": [], "kind": "program", "words": words})

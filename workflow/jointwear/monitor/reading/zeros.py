@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.measurement.flags import Flag
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.carried import UnitTorques
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.monitor.reading.regimes import USUAL, beyond_usual, programs_or_one
@@ -146,6 +147,8 @@ def changed_zero(
         return None
     mean = np.array([known_median(change[rows], axis=0) for _, rows in shifts])
     early = np.array([baseline[rows].all() for _, rows in shifts])
+    after = after_baseline(baseline)
+    late = np.array([after[rows].any() for _, rows in shifts])
     if early.sum() < USUAL:
         return None
     spread = known_rms(mean[early], USUAL)
@@ -157,7 +160,7 @@ def changed_zero(
     error = OF_MEDIAN * scatter / np.sqrt(np.maximum(counted, 1))
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
     with np.errstate(invalid="ignore"):
-        clear = (np.abs(mean) > np.maximum(np.maximum(SMALLEST, CLEAR * spread), BEYOND * error)) & ~early[:, None]
+        clear = (np.abs(mean) > np.maximum(np.maximum(SMALLEST, CLEAR * spread), BEYOND * error)) & late[:, None]
         clear &= np.array([known_median(past[rows], axis=0) for _, rows in shifts]) > PAST * np.abs(mean)
     clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
     for k in range(SHIFTS - 1, len(shifts)):

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jointwear.monitor.normal.learning import AxisNormal
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.watching.scale import FEWEST_TOGETHER, TOGETHER, cut_beside, shift_steps
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.monitor.watching.watching import Watch
@@ -80,7 +81,7 @@ def first_exchange(level: Watch, shift: np.ndarray, baseline: np.ndarray) -> Exc
     found = both.sum(axis=1) >= np.maximum(FEWEST_TOGETHER, MOST_AXES * known)
     found &= rose.any(axis=1) & fell.any(axis=1)
     found &= (rose.sum(axis=1) >= FEWEST_RISEN) | (both.sum(axis=1) >= MANY)
-    found &= ~np.isin(names, shift[baseline])
+    found &= np.isin(names, shift[after_baseline(baseline)]) & ~np.isin(names, shift[baseline])
     if not found.any():
         return None
     a = int(np.argmax(found))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.watching.scale import (
     ALIKE,
     FEWEST_TOGETHER,
@@ -53,7 +54,8 @@ def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
         clear = np.abs(bodies[..., 0]) > TOGETHER * bodies[..., 1]
         shown, against = clear & (own > least), clear & (own < -least)
     told = np.isfinite(bodies[..., 0]).sum(axis=1)
-    good = (np.abs(sizes) > FINDING) & (known.sum(axis=1) >= FEWEST_TOGETHER) & ~np.isin(names, shift[baseline])
+    good = np.isin(names, shift[after_baseline(baseline)]) & ~np.isin(names, shift[baseline])
+    good &= (np.abs(sizes) > FINDING) & (known.sum(axis=1) >= FEWEST_TOGETHER)
     good &= alike.sum(axis=1) > MOST * known.sum(axis=1)
     good &= (shown.sum(axis=1) >= np.maximum(2, SOME * told)) & (against.sum(axis=1) <= SOME * told)
     a = first_pair(good, sizes)

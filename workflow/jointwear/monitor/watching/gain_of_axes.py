@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.monitor.normal.series import Series
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.scale import (
@@ -57,6 +58,8 @@ def gains_of_axes(
     early = np.array([baseline[place == a].all() for a in range(len(names))])
     if early.sum() < USUAL:
         return []
+    after = after_baseline(baseline)
+    late = np.array([after[place == a].any() for a in range(len(names))])
     rubs, moves = (beyond_usual(s.value, program, baseline) for s in (friction, scale))
     noise = [np.where(np.isfinite(s.variance), s.variance, np.inf) for s in (friction, scale)]
     (rubbed, rub_error), (moved, move_error) = (
@@ -65,7 +68,7 @@ def gains_of_axes(
     levels = np.stack([rubbed, moved], axis=-1)
     errors = np.stack([rub_error, move_error], axis=-1)
     # Of a worn axis friction lies off its baseline already: the shifts before tell what a gain has added.
-    pairs = [_pairs(levels, errors, early, usual) for usual in (np.zeros_like(levels), usual_before(levels))]
+    pairs = [_pairs(levels, errors, late, usual) for usual in (np.zeros_like(levels), usual_before(levels))]
     found: list[ScaleStep] = []
     first: dict[int, int] = {}
     ends = [[k for k in own if not baseline[k]] for own in events]
@@ -117,14 +120,14 @@ def _together(
 
 
 def _pairs(
-    levels: np.ndarray, errors: np.ndarray, early: np.ndarray, usual: np.ndarray
+    levels: np.ndarray, errors: np.ndarray, late: np.ndarray, usual: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return of each shift but the last whether (s - 1, n) it and the next show a gain, of which size, beyond what.
 
     Parameters
     ----------
-    levels, errors : (s, n, 2) of friction and bodies. early : (s,) bool, shifts of the baseline. usual : (s, n, 2) what
-        a shift and the next are held against.
+    levels, errors : (s, n, 2) of friction and bodies. late : (s,) bool, shifts after the baseline. usual : (s, n, 2)
+        what a shift and the next are held against.
     """
     usual = usual[:-1]
     shown, sizes, alone = [], [], _moved_alone(levels, errors)
@@ -133,7 +136,7 @@ def _pairs(
         rub_error, move_error = np.moveaxis(errors[rows], -1, 0)
         with np.errstate(invalid="ignore"):
             alike = np.abs(rubbed - moved) < np.maximum(ALIKE * np.abs(moved), AGAINST * rub_error)
-            bodies = (np.abs(moved) > np.maximum(FINDING, TOGETHER * move_error)) & ~early[rows, None]
+            bodies = (np.abs(moved) > np.maximum(FINDING, TOGETHER * move_error)) & late[rows, None]
             both = bodies & alike & (np.abs(rubbed) > TOGETHER * rub_error) & (rubbed * moved > 0)
         # A load moves the bodies of several axes, and their friction by another share.
         loaded = (bodies & ~both).sum(axis=1) + 1 >= FEWEST_TOGETHER

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.monitor.normal.dispersion import Q80
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.watching.parts import (
     LEAST_VISCOUS,
     VISCOUS_CLEAR,
@@ -110,7 +111,7 @@ class Limits:
         """Return the variance of the growth of viscous friction in shifts outside episodes, 0 of Coulomb friction."""
         if name == COULOMB:
             return 0.0
-        quiet = ~self._level.baseline & (self._place <= k) & self._apart
+        quiet = after_baseline(self._level.baseline) & (self._place <= k) & self._apart
         for episode, _ in episode_parts(self._level, j, self._shift):
             quiet[episode] = False
         means = shift_means(self._viscous, j, quiet, self._shift, self._end)
@@ -153,7 +154,7 @@ class Limits:
     def _means(self, watched: Watch, k: int, j: int, within: np.ndarray | None = None) -> tuple[ShiftMeans, float]:
         """Return the means of the shifts since growth last began anew, and the end of what is normal [h]."""
         begin = max([s.window for s in watched.starts[j] if s.window <= k and s.grown is None], default=0)
-        rows = ~watched.baseline & (self._place <= k) & (self._place >= begin)
+        rows = after_baseline(watched.baseline) & (self._place <= k) & (self._place >= begin)
         rows &= True if within is None else within
         before = np.flatnonzero(watched.baseline) if not begin else np.arange(begin)
         start = float(self._end[before[-1]]) / 3600 if len(before) else float(self._end[0]) / 3600

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.monitor.normal.dispersion import inflated
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.watching.watching import Watch
 
 #: Viscous friction is named where it makes up at least this share of the growth, this many standard deviations clear.
@@ -128,9 +129,9 @@ def viscous_growth(level: Watch, viscous: Watch, j: int, shift: np.ndarray, shar
     if axis is None or viscous.axes[j] is None:
         return ViscousGrowth(named, taken, uncertain)
     scale = 1.0 if axis.source == "friction" else share
-    place = np.arange(w)
+    place, after = np.arange(w), after_baseline(level.baseline)
     for episode, before in episode_parts(level, j, shift):
-        inside, ahead = ((place >= s.start) & (place < s.stop) & ~level.baseline for s in (episode, before))
+        inside, ahead = ((place >= s.start) & (place < s.stop) & after for s in (episode, before))
         means = shift_means(level, j, inside, shift, place)
         growth = ShiftMeans(means.shift, means.time, scale * np.expm1(means.value), means.variance)
         parts = [shift_means(viscous, j, rows, shift, place) for rows in (inside, ahead)]

@@ -13,6 +13,7 @@ import numpy as np
 from jointwear.monitor.events import Event
 from jointwear.monitor.normal.dispersion import Q80
 from jointwear.monitor.normal.series import Series, loud_windows
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.decision import TOLERATED
 from jointwear.monitor.watching.limits import COULOMB, NOTHING, VISCOUS, Limits
@@ -121,7 +122,7 @@ class Teller:
             if axis is None:
                 continue
             between = axis.dispersion.between**2
-            judged = np.isfinite(level.residual[:, j]) & ~self._baseline
+            judged = np.isfinite(level.residual[:, j]) & after_baseline(self._baseline)
             # What is not known of the normal state under the conditions that the axis is judged in.
             unknown = (level.std[:, j] ** 2 - level.noise[:, j] - between)[judged]
             normal = float(np.median(unknown) if len(unknown) else np.nanmedian(axis.fit.left_out_variance))
@@ -250,7 +251,7 @@ def evidence(level: Watch) -> tuple[np.ndarray, np.ndarray]:
 
 def paper_records(
     statistics: WindowStatistics,
-    baseline: int,
+    baseline: np.ndarray,
     rate: float,
     programs: np.ndarray | None,
     events: Sequence[Sequence[int]] = (),
@@ -259,7 +260,7 @@ def paper_records(
 
     Parameters
     ----------
-    baseline : windows of the normal period, the first ones. rate : false alarms a window that are allowed.
+    baseline : (w,) bool, the normal period, of one window at least. rate : false alarms a window that are allowed.
     programs : (w,) program of each window, or None. events : of each axis the windows at which it begins anew, whether
         the config says so or a step of its scale or a fall of its friction was found.
 
@@ -268,12 +269,13 @@ def paper_records(
     Its components are of all axes together, so that an event of one is one of all: what is normal is learnt anew over
     as many windows as at first, in which it says nothing.
     """
-    later = {k for own in events for k in own if baseline <= k < statistics.windows}
-    edges = [0, *sorted(later), statistics.windows]
+    first, last = np.flatnonzero(baseline)[[0, -1]]
+    later = {k for own in events for k in own if last < k < statistics.windows}
+    edges = [int(first), *sorted(later), statistics.windows]
     result = []
     for a, b in itertools.pairwise(edges):
         own = None if programs is None else programs[a:b]
-        result += _paper_records(statistics.part(slice(a, b)), min(baseline, b - a), rate, own)
+        result += _paper_records(statistics.part(slice(a, b)), min(int(last + 1 - first), b - a), rate, own)
     return result
 
 

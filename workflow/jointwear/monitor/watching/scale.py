@@ -14,6 +14,7 @@ import numpy as np
 
 from jointwear.monitor.normal.estimate import COLUMNS, Sums, column_estimate
 from jointwear.monitor.normal.series import Series
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.watching.watching import Watch
 from jointwear.statistics.known import known_median
 
@@ -130,11 +131,12 @@ def _common(plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
     named = [j for j in range(n) if scale.axes[j] is not None]
     if len(named) < FEWEST_TOGETHER:
         return []
-    names = np.unique(shift[~baseline])
+    after = after_baseline(baseline)
+    names = np.unique(shift[after])
     means = np.full((len(names), len(named), 2), np.nan)
     friction = np.full((len(names), n), np.nan)
     for a, s in enumerate(names):
-        rows = (shift == s) & ~baseline
+        rows = (shift == s) & after
         means[a] = [mean_residual(scale, rows, j, shift) for j in named]
         friction[a] = [np.nan if plain.axes[j] is None else mean_residual(plain, rows, j, shift)[0] for j in range(n)]
     with np.errstate(invalid="ignore"):
@@ -195,7 +197,7 @@ def _begin(level: Watch, k: int, j: int, shift: np.ndarray) -> int:
     The decision looks back over few shifts; a step of the scale that was too small to alarm may be older.
     """
     after = max([s.window for s in level.starts[j] if s.window <= k], default=0)
-    known = np.flatnonzero(np.isfinite(level.residual[: k + 1, j]) & ~level.baseline[: k + 1])
+    known = np.flatnonzero(np.isfinite(level.residual[: k + 1, j]) & after_baseline(level.baseline)[: k + 1])
     known = known[known >= after]
     names = np.unique(shift[known])
     means = np.array([mean_residual(level, known[shift[known] == s], j, shift) for s in names])
@@ -230,7 +232,7 @@ def cut_beside(
     names : labels in `shift` (w,) of the one that shows the step and of the one before: the step itself may lie within
         a shift, which shows it in part.
     """
-    rows = np.flatnonzero(np.isin(shift, names) & ~baseline)
+    rows = np.flatnonzero(np.isin(shift, names) & after_baseline(baseline))
     return int(rows[cut_of(value[rows], variance[rows], size)])
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.monitor.reading.after_baseline import before_baseline
 from jointwear.statistics.known import OVER_MEDIAN, known_median
 
 #: Degrees of freedom of the location, and rounds of reweighting.
@@ -68,6 +69,7 @@ def shared_error(
     alike = np.zeros((w, n)) if beyond is None else ALIKE * np.nan_to_num(beyond) / np.square(unit)
     residual, variance = residual / unit, variance / np.square(unit) - alike
     value, spread, known = np.zeros((w, n)), np.zeros((w, n)), np.zeros((w, n), dtype=bool)
+    told = np.where(before_baseline(baseline)[:, None], np.nan, residual)
     for j in range(n):
         others = [i for i in range(n) if i != j]
         location, error = _location(residual[:, others], variance[:, others])
@@ -75,7 +77,7 @@ def shared_error(
         usual = _usual(location[baseline], error[baseline])
         common, left = _shrunk(location, error, usual + np.median(alike, axis=1))
         left = np.where(known[:, j], left, np.maximum(left, alike[:, j]))
-        slope, slope_variance = _slopes(residual[:, j], common, variance[:, j], shift)
+        slope, slope_variance = _slopes(told[:, j], common, variance[:, j], shift)
         value[:, j] = slope * common
         spread[:, j] = slope**2 * left + slope_variance * common**2
     location, error = _location(residual, variance)

@@ -13,6 +13,7 @@ from jointwear.monitor.normal.dispersion import inflated, updated_between
 from jointwear.monitor.normal.learning import AxisNormal, relearnt, widened
 from jointwear.monitor.normal.normal_state import Posterior, introduced, taught
 from jointwear.monitor.normal.recent_shifts import AxisWindows
+from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.watching.decision import Evidence, shift_evidence
 from jointwear.monitor.watching.growth_so_far import SHIFTS, growth_so_far, measured_growth
 
@@ -74,7 +75,7 @@ class WatchedAxis:
         self.states: list[Posterior] = []
         self.which = np.zeros(w, dtype=int)
         edges = [0, *[s.window for s in starts], w]
-        self._baseline = baseline
+        self._judgeable, self._history = after_baseline(baseline), before_baseline(baseline)
         memory = normal.dispersion.memory
         variance = normal.noise * (1 + memory) / (1 - memory)
         posterior = normal.fit.posterior
@@ -83,7 +84,8 @@ class WatchedAxis:
         told = np.zeros(w, dtype=bool)
         for k, (a, b) in enumerate(itertools.pairwise(edges)):
             part = slice(a, b)
-            learnt = baseline
+            # What came before the baseline is not known to be normal, and teaches no more.
+            learnt = ~self._judgeable
             if k > 0:
                 learnt = self._after(a, b, starts[k - 1].proposed)
                 besides = _besides(starts[k - 1], learnt & np.isfinite(normal.series_value), common)
@@ -123,12 +125,14 @@ class WatchedAxis:
             self.unseen = beyond & np.isfinite(normal.series_value) & ~own
         hidden = self.unseen | self.learning
         self.residual[hidden] = np.nan
-        self.judged = np.isfinite(self.residual) & ~baseline
+        self.judged = np.isfinite(self.residual) & self._judgeable
 
     def _known(self, a: int, b: int, strange: np.ndarray) -> np.ndarray:
-        """Return the windows from `a` to before `b` that are held against a known normal state; none of `strange`."""
+        """Return the windows from `a` to before `b` that are held against a known normal state; none of `strange` or
+        before the baseline."""
         place = np.arange(a, b)
         told = np.isfinite(self.residual[place]) & (self.predicted[place] <= self.coarsest**2)
+        told &= ~self._history[place]
         return np.setdiff1d(place[told], strange)
 
     def grown_between(self, a: int, b: int, shared: np.ndarray, extra: np.ndarray) -> tuple[float, float] | None:
@@ -136,7 +140,7 @@ class WatchedAxis:
 
         `shared`, `extra` : those of :meth:`judge`.
         """
-        known = self._known(a, b, np.flatnonzero(self.learning | self._baseline))
+        known = self._known(a, b, np.flatnonzero(self.learning | ~self._judgeable))
         known = known[np.isin(self.shift[known], np.unique(self.shift[known])[-SHIFTS:])]
         measured = measured_growth(self.normal, self.residual - shared, self.predicted, self.shift, known)
         if measured is None:

@@ -13,6 +13,7 @@ from jointwear.monitor.normal.learning import AxisNormal
 from jointwear.monitor.normal.recall import Recall, key_of
 from jointwear.monitor.normal.shift_scale import own_scale, shift_scale
 from jointwear.monitor.normal.shifts import running_sums, shift_starts
+from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.growth_so_far import shrunk, stands_out
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
@@ -111,7 +112,7 @@ def watch(
         std=np.sqrt(beside.variance),
         noise=beside.noise,
         mean_std=told.pop("std"),
-        alarm=_alarms(told["growth"], told["step"], limits.level, limits.step) & ~baseline[:, None],
+        alarm=_alarms(told["growth"], told["step"], limits.level, limits.step) & after_baseline(baseline)[:, None],
         threshold=limits.level,
         step_threshold=limits.step,
         shared=beside.shared,
@@ -148,6 +149,7 @@ def _settled(
         return WatchedAxis(axes[axis], baseline, shift, starts[axis], least, coarsest, shared)
 
     states: dict[int, WatchedAxis] = {}
+    after = after_baseline(baseline)
     again = [j for j, axis in enumerate(axes) if axis is not None]
     # Services change what comes after them: found one after the other, until none is left.
     for _ in range(_MOST_TURNS):
@@ -166,7 +168,7 @@ def _settled(
                 starts[j] = later
                 again.append(j)
                 continue
-            alarm = _alarms(evidence[j].growth, evidence[j].step, limits.level[j], limits.step[j]) & ~baseline
+            alarm = _alarms(evidence[j].growth, evidence[j].step, limits.level[j], limits.step[j]) & after
             if (grown := _with_growth(starts[j], states[j], alarm, *beside.of(j)[:2])) is not None:
                 starts[j] = grown
                 again.append(j)
@@ -277,7 +279,8 @@ def _beside(
     variance = spread - alike * beyond + shared.variance
     outside = outside_baseline(beyond, shared.common, shift)
     apart = raw - shared.value
-    loud = shift_scale(apart, variance, noise, memory, shift, outside)
+    judged_with = np.where(before_baseline(baseline)[:, None], np.nan, apart)
+    loud = shift_scale(judged_with, variance, noise, memory, shift, outside)
     own = own_scale(apart, variance, noise, memory, shift, baseline)
     extra = shared.variance + (1.0 - alike) * beyond
     return _Beside(shared, raw, noise, variance, extra, loud, own, _calm(shared.common, shift))
@@ -285,11 +288,12 @@ def _beside(
 
 def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.ndarray) -> tuple[int, int] | None:
     """Return the first window after the baseline whose fall exceeds `least`, and the one at which it begins."""
-    hits = np.flatnonzero((evidence.fall > least) & ~baseline)
+    after = after_baseline(baseline)
+    hits = np.flatnonzero((evidence.fall > least) & after)
     if not len(hits):
         return None
-    first_judged = int(np.flatnonzero(baseline)[-1]) + 1 if baseline.any() else 0
-    return int(hits[0]), max(_begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift), first_judged)
+    begin = _begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift)
+    return int(hits[0]), max(begin, int(np.argmax(after)))
 
 
 def _with_service(starts: Sequence[Start], hit: int, begin: int) -> list[Start] | None:
