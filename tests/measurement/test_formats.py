@@ -1,5 +1,6 @@
 """Every format gives the same samples; names, units and order of axes come from the config; memory stays small."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,18 @@ def test_every_format_gives_the_same_samples(tmp_path, log, name):
     assert not chunks[0].dated
     if not name.endswith("csv"):
         assert len(chunks) >= 3
+
+
+@pytest.mark.parametrize("size", [1.0, 1e3])
+@pytest.mark.parametrize("name", ["log.csv", "log.parquet"])
+def test_one_stamp_of_zero_decides_neither_date_nor_unit(tmp_path, log, name, size):
+    # Blocks of a hundred rows: one of them begins with it.
+    time = size * (START + log.time)
+    time[200] = 0.0
+    found, chunks = whole(WRITERS[name](tmp_path / name, replace(log, time=time)), rows=100)
+    assert all(c.dated for c in chunks)
+    np.testing.assert_allclose(np.delete(found["time"], 200), START + np.delete(log.time, 200))
+    assert found["time"][200] == 0.0
 
 
 def test_a_bare_mcap_file_is_a_log(tmp_path, log):

@@ -316,14 +316,16 @@ def _check_apart(path: Path, role: str, apart: list[str], layout: Layout) -> Non
 
 def _in_seconds(time: np.ndarray, stated: bool) -> tuple[np.ndarray, bool]:
     """Return times (m,) [s], and whether they count from 1970; `stated` says that their unit is."""
-    first = time[np.isfinite(time)][:1]
-    if not len(first):
+    known = np.sort(time[np.isfinite(time)])
+    if not len(known):
         return time, False
+    # One stamp of a clock that was not set yet decides nothing.
+    middle = known[len(known) // 2]
     if not stated:
         # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
-        size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= first[0] < UNIX_TIMES[1] * k), 1.0)
-        time, first = time / size, first / size
-    return time, bool(UNIX_TIMES[0] <= first[0] < UNIX_TIMES[1])
+        size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= middle < UNIX_TIMES[1] * k), 1.0)
+        time, middle = time / size, middle / size
+    return time, bool(UNIX_TIMES[0] <= middle < UNIX_TIMES[1])
 
 
 def _of_joints(path: Path, role: str, array: np.ndarray, count: int, axes: int, layout: Layout) -> np.ndarray:
