@@ -60,6 +60,61 @@ def test_a_late_sample_is_left_out():
     assert not stretch.any()
 
 
+@pytest.mark.parametrize("many", [1, 3])
+@pytest.mark.parametrize("dated", [False, True])
+@pytest.mark.parametrize("jump", [60.0, 3600.0, 2e9])
+def test_a_stamp_ahead_of_all_that_follow_is_left_out(jump, dated, many):
+    time = np.arange(100) * 0.1 + START * dated
+    astray = np.r_[time[:50], time[50] + jump + np.arange(many), time[50:]]
+    found, stretch, flags = order(astray, dated=dated)
+    np.testing.assert_array_equal(found, time)
+    assert not stretch.any()
+    assert np.flatnonzero(flags).tolist() == [50]
+    assert flags[50] == Flag.DUPLICATE_STAMPS
+
+
+def test_more_stamps_ahead_are_a_clock_that_was_set_back():
+    time = START + np.arange(100) * 0.1
+    found, _, flags = order(np.r_[time[:50], time[50:54] + 3600, time[50:]], dated=True)
+    assert len(found) == 104
+    assert flags[54] & Flag.CLOCK_RESET
+
+
+@pytest.mark.parametrize("many", [1, 3])
+@pytest.mark.parametrize("sizes", [None, [60, 40]])
+def test_first_stamps_of_a_clock_that_was_not_set_yet_are_left_out(many, sizes):
+    time = START + np.arange(100) * 0.1
+    time[:many] = np.arange(many)
+    found, stretch, flags = order(time, sizes=sizes, dated=True)
+    np.testing.assert_array_equal(found, time[many:])
+    assert not stretch.any()
+    assert np.flatnonzero(flags).tolist() == [0]
+
+
+@pytest.mark.parametrize("sizes", [None, [97, 3], [99, 1], [60, 40]])
+def test_last_stamps_far_after_the_log_are_left_out(sizes):
+    time = START + np.arange(100) * 0.1
+    found, _, _ = order(np.r_[time[:97], time[97:] + 2e9], sizes=sizes, dated=True)
+    np.testing.assert_array_equal(found, time[:97])
+
+
+@pytest.mark.parametrize("sizes", [None, [52, 48]])
+def test_a_stamp_astray_at_the_end_of_a_chunk_sets_no_clock_back(sizes):
+    time = START + np.arange(100) * 0.1
+    time[51] = 2e9
+    found, stretch, flags = order(time, sizes=sizes, dated=True)
+    np.testing.assert_array_equal(found, np.delete(time, 51))
+    assert not np.any(flags & Flag.CLOCK_RESET)
+    assert not stretch.any()
+
+
+def test_a_pause_of_days_is_no_stamp_astray():
+    day = np.arange(50) * 0.1
+    time = START + np.r_[day, day + 3 * 86400, day[:4] + 9 * 86400]
+    found, _, _ = order(time, dated=True)
+    np.testing.assert_array_equal(found, time)
+
+
 @pytest.mark.parametrize("sizes", [[120], [55, 65], [50, 70]])
 @pytest.mark.parametrize("dated", [False, True])
 def test_a_block_that_is_written_twice_sets_no_clock_back(sizes, dated):

@@ -2,6 +2,9 @@
 
 - a stamp that is not finite, repeats the one before, or arrives late (at most :data:`.LATE` samples in a row earlier
   than one already seen) is left out and the window flagged;
+- so is one that is astray: at most :data:`.LATE` samples in a row ahead of all that follow, which go on where the log
+  was before; or first or last ones that lie far from all others, further than :data:`.FAR` and :data:`.FAR_TIMES` the
+  log, as of a clock that was not set yet. Of a log that comes in chunks each end of one is looked at;
 - time that goes back for longer is a clock that was set back. With a date the new stamps are believed; without one
   the log goes on where it was. Either way a new stretch begins and the window is flagged;
 - a step longer than :data:`GAP` times the usual one is a gap: a new stretch, flagged where it lies within a window;
@@ -21,7 +24,7 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk, joined
-from jointwear.measurement.late_samples import first_long_run
+from jointwear.measurement.late_samples import LATE, ahead_of, first_long_run, lone_end, lone_start
 
 GAP = 5.0
 #: Rows of the chunk before among which a row that stands in the log already is looked for.
@@ -56,6 +59,7 @@ class Clock:
         self._length, self._name = length, name
         self._stretch = 0
         self._last: float | None = None
+        self._first: float | None = None
         self._label: int | None = None
         self._shift = 0.0
         self._step = np.nan
@@ -134,7 +138,7 @@ class Clock:
             if not dated and np.isfinite(first):
                 border = self._length * (np.floor(self._last / self._length) + 1)
                 self._shift = border - first
-                self._last = None
+                self._last = self._first = None
         self._label = label
 
     def _order_part(
@@ -155,6 +159,13 @@ class Clock:
             highest = np.maximum.accumulate(np.concatenate([[before], values]))[:-1]
             late = values < highest
             back = first_long_run(late)
+            # Where the clock was put on by the first stamp of what follows, that one has to stay.
+            base = np.inf if self._last is None and (restarted or self._shift) else before
+            astray = 0 if back is None else ahead_of(values, back, base)
+            if back is not None and astray:
+                index = self._without(index, np.arange(back - astray, back), keep, flags)
+                self._count_restart()
+                continue
             if restarted:
                 # The sample at which the clock was found set back opens a stretch of its own.
                 flags[index[0]] |= int(Flag.CLOCK_RESET)
@@ -163,7 +174,10 @@ class Clock:
             flags[index[now][wrong]] |= int(Flag.DUPLICATE_STAMPS)
             keep[index[now][wrong]] = False
             good, kept = index[now][~wrong], values[now][~wrong]
+            lone = self._lone(kept, restarted)
+            good, kept = self._without(good, lone, keep, flags), np.delete(kept, lone)
             if len(good):
+                self._first = float(kept[0]) if self._first is None else self._first
                 stamps = np.concatenate([[before], kept])
                 gaps = np.diff(stamps)
                 is_gap = np.isfinite(gaps) & (gaps > GAP * self._step)
@@ -176,18 +190,43 @@ class Clock:
                 self._last = float(kept[-1])
             if back is None:
                 return
-            self._restarts += 1
-            if self._restarts > MOST_RESTARTS:
-                raise InputError(
-                    f"{self._name}: the time runs backwards again and again; it is not the time of the samples"
-                )
+            self._count_restart()
             index = index[back:]
             self._stretch += 1
             if not dated:
                 step = self._step if np.isfinite(self._step) else 1.0
                 self._shift += (self._last or 0.0) + step - float(time[index[0]] + self._shift)
-            self._last = None
+            self._last = self._first = None
             restarted = True
+
+    def _count_restart(self) -> None:
+        """Count what looks like a clock that was set back.
+
+        Raises
+        ------
+        InputError : if there are too many in one chunk.
+        """
+        self._restarts += 1
+        if self._restarts > MOST_RESTARTS:
+            raise InputError(
+                f"{self._name}: the time runs backwards again and again; it is not the time of the samples"
+            )
+
+    def _without(self, index: np.ndarray, astray: np.ndarray, keep: np.ndarray, flags: np.ndarray) -> np.ndarray:
+        """Return samples `index` without those at places `astray`, as `keep` and `flags` (m,) are made to tell."""
+        keep[index[astray]] = False
+        flags[index[astray]] |= int(Flag.DUPLICATE_STAMPS)
+        return np.delete(index, astray)
+
+    def _lone(self, kept: np.ndarray, restarted: bool) -> np.ndarray:
+        """Return which places of rising stamps `kept` (k,) [s], what a chunk goes on with, are far from all others."""
+        last = self._last
+        begins = lone_start(kept) if last is None and not restarted else 0
+        known = kept[begins:] if last is None else np.concatenate([[last], kept])
+        # A few stamps alone do not tell which of them are astray.
+        enough = last is not None or len(known) > 2 * LATE
+        ends = lone_end(known, known[0] if self._first is None else self._first) if enough else 0
+        return np.r_[:begins, len(kept) - ends : len(kept)]
 
 
 _ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory", "program")

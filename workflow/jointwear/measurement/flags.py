@@ -27,7 +27,7 @@ DISQUALIFYING = Flag.OUTSIDE_LIMITS | Flag.TORQUE_FROZEN | Flag.REFUSED | Flag.C
 
 FLAG_WORDS = {
     Flag.GAP: "a gap in the log",
-    Flag.DUPLICATE_STAMPS: "repeated time stamps, left out",
+    Flag.DUPLICATE_STAMPS: "repeated or stray time stamps, left out",
     Flag.CLOCK_RESET: "the clock was set back",
     Flag.NOT_FINITE: "values that are missing or absurd, left out",
     Flag.AT_REST: "at rest, or too slow to show friction",
