@@ -20,10 +20,13 @@ rule survey_logs:
         model=monitored_model,
         modules=modules_of("survey_logs"),
     output:
+        # Beside it the rule keeps surveys.json, which the first log is chosen by. It is no output: where it is missing
+        # every log would be read anew.
         "results/monitor/{monitored}/survey.json",
     log:
         "results/logs/survey_logs/{monitored}.log",
     params:
+        # No input: a kept survey stands for a log that may be gone, and a log that is copied anew surveys nothing anew.
         first=first_log,
         entry=reading_entry,
     script:
@@ -56,6 +59,8 @@ rule judge_windows:
         model=monitored_model,
         modules=modules_of("judge_windows"),
     output:
+        # Beside it the rule keeps baseline.nc. It is no output: these are there after every job, and this one only once
+        # the baseline is complete and until a user moves it away.
         state="results/monitor/{monitored}/state.nc",
         alarms="results/monitor/{monitored}/alarms.csv",
         # What the baseline told the last time: it spares a search and changes no number.
