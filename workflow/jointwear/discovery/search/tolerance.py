@@ -47,7 +47,7 @@ def _tolerance(white: White, one: Named, fit: Fit, coefficients: np.ndarray) -> 
         more = (
             _beyond_its_band(white, one, coefficients, axis),
             _of_corrections(white, one, fit, coefficients, axis),
-            _begun_otherwise(white, one, coefficients, axis),
+            _begun_otherwise(white, one, coefficients),
         )
         columns = np.concatenate([columns, *more], axis=1)
         std = np.append(std, np.ones(columns.shape[1] - len(std)))
@@ -100,7 +100,7 @@ def _of_corrections(white: White, one: Named, fit: Fit, coefficients: np.ndarray
     return (columns @ coefficients)[:, None]
 
 
-def _begun_otherwise(white: White, one: Named, coefficients: np.ndarray, axis: int) -> np.ndarray:
+def _begun_otherwise(white: White, one: Named, coefficients: np.ndarray) -> np.ndarray:
     """Return what another state at its start adds to an effect, record by record, (N_train, k).
 
     A name has one such state for all records. How a joint came to where a record begins differs from one to the next,

@@ -203,6 +203,8 @@ def _next_missing(layout: Layout, role: str, names: Sequence[str], axes: int) ->
 #: Columns of a table in long form: what names the quantity of a row, and what holds its value.
 _NAMES_OF_LONG = ("tag", "variable", "name", "signal", "channel", "field", "_field", "metric", "key", "topic")
 _VALUES_OF_LONG = ("value", "_value", "val")
+#: Most names that a message tells.
+_MOST_NAMES = 24
 #: Most columns that such a table has: those two, the time, and what a data base writes beside them.
 _MOST_OF_LONG = 12
 
@@ -221,8 +223,8 @@ def numbered_columns(columns: Iterable[str], name: str) -> list[tuple[int, str]]
     return sorted((int(m.group(1)), c) for c in set(columns) if (m := form.fullmatch(c)))
 
 
-def _few(names: Sequence[str], most: int = 24) -> str:
-    return ", ".join(str(n) for n in names[:most]) + (", ..." if len(names) > most else "")
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(str(n) for n in names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def make_chunk(

@@ -16,7 +16,7 @@ from jointwear.files.regular_files import ROOT
 from jointwear.files.wording import count
 from jointwear.publishing.crate.layout import COMMIT, CONFIG, PROJECT, PROJECT_FILES, STAMP
 from jointwear.publishing.crate.software import software
-from jointwear.publishing.verification.comparison import CLOSE, EQUAL, TOLERANCE, Outcome, compare_files
+from jointwear.publishing.verification.comparison import CLOSE, EQUAL, Outcome, compare_files
 from jointwear.publishing.verification.packed_run import check_contents, foreign_code, listing, unpacked
 from jointwear.running.configuration import prepare
 
@@ -54,12 +54,12 @@ def recompute(crate: Path, folder: Path, cores: int) -> None:
         raise InputError(f"crate {crate}: the run failed: {last[-1500:]}")
 
 
-def compare_runs(crate: Path, folder: Path, tolerance: float = TOLERANCE) -> dict[str, Outcome]:
+def compare_runs(crate: Path, folder: Path) -> dict[str, Outcome]:
     """Compare every result that the crate lists or that was made under `folder` with the file of the same name."""
     made = {p.relative_to(folder).as_posix() for p in (folder / "results").rglob("*") if p.is_file()}
     made = {name for name in made if not name.startswith(NOT_RESULTS) and not name.endswith(STAMP)}
     names = sorted(made | listing(crate)["results"].keys())
-    return {name: compare_files(folder / name, crate / name, tolerance) for name in names}
+    return {name: compare_files(folder / name, crate / name) for name in names}
 
 
 def describe(outcomes: dict[str, Outcome]) -> str:

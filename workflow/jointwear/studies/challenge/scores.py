@@ -23,6 +23,8 @@ SHARES = QUESTIONS | {
 }
 #: Scores where less is better.
 UPPER_LIMITS = {"false_names", "tie_size", "worse", "calibration_error", "seconds"}
+#: Edges of the bins of evidence in which names are counted, and the ridge of the logistic regression.
+_EDGES, _RIDGE = (0, 10, 15, 20, 30, 50, 100, 300, 1000, 1e12), 0.1
 
 
 def _of(rows: Sequence[Row], kind: str, identifiable: bool) -> list[Row]:
@@ -118,30 +120,28 @@ def detection_limits(rows: Sequence[Row]) -> list[dict[str, Any]]:
     return result
 
 
-def _logistic(x: np.ndarray, y: np.ndarray, ridge: float = 0.1) -> np.ndarray:
+def _logistic(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Fit intercept and slope of a logistic curve by Newton's method with a ridge; returns (2,)."""
     design = np.column_stack([np.ones_like(x), x])
     beta = np.zeros(2)
     for _ in range(50):
         p = 1 / (1 + np.exp(-np.clip(design @ beta, -30, 30)))
-        hessian = design.T @ (design * (p * (1 - p))[:, None]) + ridge * np.eye(2)
-        step = np.linalg.solve(hessian, design.T @ (y - p) - ridge * beta)
+        hessian = design.T @ (design * (p * (1 - p))[:, None]) + _RIDGE * np.eye(2)
+        step = np.linalg.solve(hessian, design.T @ (y - p) - _RIDGE * beta)
         beta = beta + step
         if np.abs(step).max() < 1e-9:
             break
     return beta
 
 
-def calibration(
-    rows: Sequence[Row], edges: Sequence[float] = (0, 10, 15, 20, 30, 50, 100, 300, 1000, 1e12)
-) -> list[dict]:
+def calibration(rows: Sequence[Row]) -> list[dict]:
     """Return for bins of evidence [nats] how many names were given and how many of them were right, over all cases.
 
     A name is right where that effect (or one that the motion cannot tell from it) acts on that axis.
     """
     names = [n for r in rows for n in r["names"] if n["evidence"] is not None]
     result = []
-    for low, high in pairwise(edges):
+    for low, high in pairwise(_EDGES):
         inside = [n["right"] for n in names if low <= n["evidence"] < high]
         interval = wilson_interval(sum(inside), len(inside))
         result.append(

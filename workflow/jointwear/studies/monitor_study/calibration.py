@@ -17,6 +17,8 @@ from jointwear.studies.monitor_study.forecast import forecast
 from jointwear.studies.monitor_study.normal_period import Normal
 
 HOURS, NORMAL = 240, 120
+#: Hours after an alarm at which its forecast is looked at once more.
+LATER = 24
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,8 @@ def _normal(std: float) -> Normal:
     )
 
 
-def coverage(seed: int, histories: int, share: float, later: int = 24) -> dict[str, np.ndarray]:
-    """Return for the forecasts at the alarm and `later` hours after whether the interval holds the truth.
+def coverage(seed: int, histories: int, share: float) -> dict[str, np.ndarray]:
+    """Return for the forecasts at the alarm and :data:`LATER` hours after whether the interval holds the truth.
 
     Each value is a boolean array over the histories that alarmed before the limit was reached.
     """
@@ -81,7 +83,7 @@ def coverage(seed: int, histories: int, share: float, later: int = 24) -> dict[s
         trace = run_chart(drawn.measured[:, None], std, threshold, fall, normal)
         hits = np.flatnonzero(trace.alarm[:, 0])
         reached = np.argmax(drawn.true >= drawn.limit) + 1.0 if drawn.true[-1] >= drawn.limit else np.inf
-        for name, wait in (("alarm", 0), ("later", later)):
+        for name, wait in (("alarm", 0), ("later", LATER)):
             last = hits[0] + 1 + wait if len(hits) else HOURS + 1
             if last > HOURS or reached <= last:
                 continue

@@ -21,6 +21,8 @@ from jointwear.studies.recovery.tables import Tables, read_tables
 
 QUASI_STATIC = 1e6  # s: nothing is left but gravity and Coulomb friction
 _STEP = 1e-6
+#: Steps of a climb.
+_STEPS = 120
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,6 @@ def dynamic_bound(
     random: np.random.Generator,
     draws: int = 2000,
     climbers: int = 12,
-    steps: int = 120,
 ) -> Bound:
     """Return the largest |torque| of every axis over start and stop poses within limits and over all instants.
 
@@ -94,7 +95,7 @@ def dynamic_bound(
     segment_time : (times,) duration of one motion [s].
     increase : growth of the friction of the axis in question, a share.
     held : (n,) largest |torque| allowed at the same instant [N m], inf where anything goes.
-    draws, climbers, steps : random motions for every time, of which the best climb so many steps.
+    draws, climbers : random motions for every time, of which the best climb.
     """
     dynamics = Dynamics(robot)
     times = np.sort(np.asarray(segment_time, dtype=float))[::-1]
@@ -110,7 +111,7 @@ def dynamic_bound(
             if kept is not None:
                 # What could be reached slowly is a good start for going faster.
                 start = np.concatenate([start, kept], axis=1)
-            kept, best[k] = _climb(dynamics, start, time, increase, limit, steps)
+            kept, best[k] = _climb(dynamics, start, time, increase, limit)
         # A faster arm can always rest in the pose of the slower one's largest torque.
         results.append(np.maximum.accumulate(best, axis=0)[::-1])
     return Bound(times[::-1], *results)
@@ -131,7 +132,7 @@ def _objective(dynamics: Dynamics, u: np.ndarray, time: float, increase: float, 
     return value - 20.0 * (penalty.sum(axis=-1, keepdims=True) - penalty) - 20.0 * penalty
 
 
-def _climb(dynamics, u, time, increase, limit, steps) -> tuple[np.ndarray, np.ndarray]:
+def _climb(dynamics, u, time, increase, limit) -> tuple[np.ndarray, np.ndarray]:
     """Resilient gradient ascent (Rprop) of every axis' own climbers; return the best (n, 1, p) and its value (n,)."""
     n, climbers, p = u.shape
     axis = np.arange(n)[:, None]
@@ -139,7 +140,7 @@ def _climb(dynamics, u, time, increase, limit, steps) -> tuple[np.ndarray, np.nd
     last = np.zeros(u.shape)
     best, place = np.full((n, climbers), -np.inf), point.copy()
     shift = _STEP * np.concatenate([np.zeros((1, p)), np.eye(p)])
-    for _ in range(steps):
+    for _ in range(_STEPS):
         value = _objective(dynamics, point[:, :, None] + shift, time, increase, limit)
         own = value[axis, np.arange(climbers), :, axis]  # (n, climbers, 1 + p)
         better = own[..., 0] > best

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+#: A start has converged once five steps in a row lower its cost by less than this share.
+_LEAST = 1e-7
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -22,7 +25,6 @@ def minimise(
     residuals_and_jacobian: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
     start: np.ndarray,
     iterations: int,
-    tolerance: float = 1e-7,
 ) -> Solution:
     """Minimise half the sum of squares from every start.
 
@@ -32,7 +34,6 @@ def minimise(
     residuals_and_jacobian : (A, p) -> (A, m), (A, m, p).
     start : (S, p).
     iterations : at most so many.
-    tolerance : a start has converged once five steps in a row lower its cost by less than this share.
 
     Notes
     -----
@@ -61,7 +62,7 @@ def minimise(
         expected = -(step * gradient[a]).sum(axis=1) - 0.5 * np.einsum("sp,spq,sq->s", step, normal[a], step)
         gain = (cost[a] - trial) / np.maximum(expected, 1e-300)
         better = trial < cost[a]
-        small = np.where(better, cost[a] - trial < tolerance * cost[a], damping[a] > 1e10)
+        small = np.where(better, cost[a] - trial < _LEAST * cost[a], damping[a] > 1e10)
         quiet[a] = np.where(small, quiet[a] + 1, np.where(better, 0, quiet[a]))
         taken = a[better]
         point[taken], cost[taken] = proposed[better], trial[better]

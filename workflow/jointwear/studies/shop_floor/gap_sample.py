@@ -20,14 +20,14 @@ from jointwear.studies.shop_floor.cell import SEEDS, draw_cell
 from jointwear.studies.shop_floor.fast_path import nominal_robot, statistics_of
 from jointwear.studies.shop_floor.gear import Wear
 from jointwear.studies.shop_floor.kept import survey_cell
-from jointwear.studies.shop_floor.plant_entry import entry_of
+from jointwear.studies.shop_floor.plant_entry import STATED, entry_of
 from jointwear.studies.shop_floor.sensing import START
 
 #: Onset and time to the full gap [h]; time at the end over which the growth of the pulses is averaged [h].
 ONSET, DURATION, AT_THE_END = 288.0, 300.0, 48.0
 
 
-def gap_outcome(seed_set: str, index: int, axis: int, gap: float, rate: float = 1.0) -> dict[str, Any]:
+def gap_outcome(seed_set: str, index: int, axis: int, gap: float) -> dict[str, Any]:
     """Judge one robot whose 0-based `axis` gets `gap` [rad] of lost motion within :data:`DURATION`.
 
     Returns `delay` [h] of the first alarm of backlash on the axis and the gap `at` it [mrad], None where none came;
@@ -36,7 +36,7 @@ def gap_outcome(seed_set: str, index: int, axis: int, gap: float, rate: float = 
     cell = draw_cell(seed_set, index)
     cell = replace(cell, wear=Wear(axis, "backlash", ONSET, DURATION, "straight", gap))
     statistics = statistics_of(cell, survey_cell(cell)[0])
-    entry = entry_of(cell, rate)
+    entry = entry_of(cell, STATED)
     first = choose_baseline(statistics, entry["baseline"]).mask
     found = judge(statistics, first, settings_of(nominal_robot(cell), entry))
     told = sorted(((a["time"] - START) / 3600, a["axis"]) for a in found.alarms if a["quantity"] == BACKLASH)

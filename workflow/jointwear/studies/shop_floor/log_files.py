@@ -24,7 +24,7 @@ from jointwear.studies.shop_floor.cell import SEEDS, Cell, draw_cell
 from jointwear.studies.shop_floor.closed_loop import RATE
 from jointwear.studies.shop_floor.confounders import present
 from jointwear.studies.shop_floor.month import DAY, DAYS
-from jointwear.studies.shop_floor.plant_entry import entry_of
+from jointwear.studies.shop_floor.plant_entry import STATED, entry_of
 from jointwear.studies.shop_floor.sensing import Signals, signals_of
 
 FORMATS = (".parquet", ".csv", ".nc")
@@ -119,14 +119,12 @@ def write_robot_logs(cell: Cell, folder: Path, days: range = range(DAYS)) -> lis
     return paths
 
 
-def write_fleet(
-    folder: str | Path, seed_set: str, indices: Sequence[int], rate: float = 1.0, days: range = range(DAYS)
-) -> dict[str, Any]:
+def write_fleet(folder: str | Path, seed_set: str, indices: Sequence[int], days: range = range(DAYS)) -> dict[str, Any]:
     """Write logs, robot files and `fleet.yaml`, the config; return the config.
 
     Parameters
     ----------
-    rate : stated false alarms per 1,000 h. days : of the month that are written.
+    days : of the month that are written.
     """
     folder = Path(folder)
     for arm in ARM_TYPES.values():
@@ -136,7 +134,7 @@ def write_fleet(
         cell = draw_cell(seed_set, index)
         write_robot_logs(cell, folder / "logs" / cell.name, days)
         place = {"logs": [f"logs/{cell.name}/*"], "robot": f"robots/{cell.arm.name}.yaml"}
-        robots[cell.name] = place | entry_of(cell, rate)
+        robots[cell.name] = place | entry_of(cell, STATED)
     config = {"monitor": {"robots": robots}}
     replace_text(folder / "fleet.yaml", yaml.safe_dump(config, sort_keys=False))
     return config

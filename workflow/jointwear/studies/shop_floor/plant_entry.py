@@ -11,6 +11,8 @@ from jointwear.studies.shop_floor.sensing import START
 
 #: Growth [%] of the limit that forecasts count down to.
 LIMIT = 20.0
+#: False alarms per 1,000 h that a user states where nothing else is asked for.
+STATED = 1.0
 
 
 def entry_of(cell: Cell, rate: float) -> dict[str, Any]:
