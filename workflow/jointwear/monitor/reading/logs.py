@@ -57,6 +57,11 @@ def log_statistics(
     Parameters
     ----------
     length : of a window [s]. block : samples worked on at a time.
+
+    Notes
+    -----
+    A window that lies in two blocks is worked out part by part: loads, delays and what contradicts the model are found
+    in each alone. What it tells thus depends on where blocks end, and most of all its zeros, which need the most data.
     """
     settings = WindowSettings(
         length,
