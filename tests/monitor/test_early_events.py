@@ -25,6 +25,7 @@ def windows(dated=True):
 @pytest.mark.parametrize(
     ("hour", "what"),
     [(-24.0, "changes nothing: it lies before"), (5.0, "changes nothing: it lies before"),
+     (11.9, "changes nothing: it lies before"), (12.0, ""), (12.1, "closes no alarm: it lies within"),
      (20.0, "closes no alarm: it lies within"), (36.0, ""), (400.0, "")],
 )  # fmt: skip
 def test_an_event_before_the_end_of_the_baseline_is_told(hour, what):
@@ -32,6 +33,11 @@ def test_an_event_before_the_end_of_the_baseline_is_told(hour, what):
     found = early_event_findings(windows(), events, BASELINE)
     assert [what in f["words"] for f in found] == ([True] if what else [])
     assert all((f["kind"], f["axes"]) == (EARLY_EVENT, [3]) for f in found)
+
+
+def test_an_event_before_the_first_log_is_told_also_where_the_baseline_begins_with_it():
+    events = [Event(BEGIN, (2,), "service")]
+    assert early_event_findings(windows(), events, np.arange(48) < 36)
 
 
 def test_it_names_the_event_and_what_is_allowed_in_the_time_of_the_page():

@@ -1,7 +1,8 @@
 """Events of the config that lie before what is judged: mostly a month or a year that was mistyped.
 
 Nothing is judged before the end of the baseline, so that such an event closes no alarm. One before the baseline changes
-nothing at all; one within it leaves an axis the windows before it alone to learn from.
+nothing at all; one within it leaves an axis the windows before it alone to learn from. One between the last window
+before the baseline and its first is what the baseline begins after ('from'), and nothing to ask about.
 """
 
 from __future__ import annotations
@@ -34,8 +35,9 @@ def early_event_findings(
     if not len(rows):
         return []
     begin, end = float(statistics.start[rows[0]]), float(statistics.end[rows[-1]])
+    before = float(statistics.end[rows[0] - 1]) if rows[0] else np.inf
     result = []
-    for event in (e for e in events if e.time < end):
+    for event in (e for e in events if e.time < end and not before <= e.time <= begin):
         axes = [axis + 1 for axis in event.axes]
         of = f"{event.kind}, {name_axes(axes) if axes else 'all axes'}"
         told = f"The event of {moment_words(statistics, event.time)} ({of})"
