@@ -129,6 +129,33 @@ def test_what_is_to_be_mended_comes_before_what_is_only_told():
     ]
 
 
+def test_what_asks_for_nothing_is_folded_away(tmp_path):
+    """Notes of fifty words under most robots hid what was to be answered: 5,600 words for 31 robots of 48."""
+    lasting = {"time": NOW - 9 * DAY, "end": NOW, "axes": [3], "kind": "missing", "words": "No torque of axis 3."}
+    over = {
+        "time": NOW - 8 * DAY,
+        "end": NOW - 7 * DAY,
+        "axes": [2],
+        "kind": "contradicted",
+        "words": "Torque of axis 2.",
+    }
+    unknown = {"time": NOW - DAY, "axes": [], "kind": "robot", "words": "The robot file lacks a load."}
+    logs = {**began(3), "words": "All of it lies in one log.", "logs": ["1.csv"]}
+    for found, open_one in (
+        (fall(1), True), (lasting, True), (unknown, True), (logs, True), (began(2), False), (over, False),
+    ):  # fmt: skip
+        item = robot_item(as_of(robot("arm", findings=[found]), NOW), zone_of(None), "robots")
+        assert [bool(item["open"]), bool(item["notes"])] == [open_one, not open_one], found["kind"]
+    row = as_of(robot("arm", axis(1, CHANGED), findings=[over, began(2), fall(2)]), NOW)
+    write_fleet_page([row], tmp_path / "index.html", zone_of(None), NOW)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    before, folded = page.split("<summary>2 notes</summary>")
+    assert "Friction of axis 2 fell" in before
+    notes = folded.split("</details>")[0]
+    assert "A program began." in notes
+    assert "Torque of axis 2." in notes
+
+
 def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
     coarse = [
         {"time": NOW, "axes": [a], "kind": "coarse", "least": s, "words": f"axis {a}"}

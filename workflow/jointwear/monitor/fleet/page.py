@@ -17,7 +17,7 @@ from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, STALE
 from jointwear.monitor.judging.early_events import EARLY_EVENT
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
-from jointwear.monitor.presentation.to_answer import lasts, to_do
+from jointwear.monitor.presentation.to_answer import is_note, lasts, to_do
 from jointwear.monitor.presentation.words import todo
 from jointwear.monitor.reading.inspection import ALL_LOGS
 from jointwear.monitor.watching.backlash import BACKLASH
@@ -58,6 +58,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         check = ""
     coarse = {axis for f in row["findings"] if f["kind"] == COARSE for axis in f["axes"]}
     whole = [e["quantity"] for e in row["episodes"] if e["axis"] is None]
+    shown = [*((words, False) for words in _over(row)), *_to_check(row, zone)][:SHOWN]
     return {
         "name": row["robot"],
         "urgency": row["urgency"],
@@ -71,7 +72,9 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "mends": _mends(row),
         "refusals": _refusals(row),
         "more_refused": row["refused_logs"] - len(row["refusals"]) if row["refusals"] else 0,
-        "findings": (_over(row) + _to_check(row, zone))[:SHOWN],
+        "findings": [words for words, _ in shown],
+        "open": [words for words, note in shown if not note],
+        "notes": [words for words, note in shown if note],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
@@ -86,7 +89,7 @@ def what_to_do(row: Mapping[str, Any], zone: tzinfo) -> str:
     if row["urgency"] == REFUSED:
         return "; ".join(_mends(row)) or f"{CHECKS[REFUSED]}: see 'reason'"
     if row["urgency"] == ASKS:
-        return "; ".join([CHECKS[ASKS], *(_over(row) + _to_check(row, zone))[:1]])
+        return "; ".join([CHECKS[ASKS], *[*_over(row), *(words for words, _ in _to_check(row, zone))][:1]])
     return ""
 
 
@@ -132,21 +135,21 @@ def _refusals(row: Mapping[str, Any]) -> list[tuple[str, str]]:
     return result
 
 
-def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[str]:
-    """Return the findings of a robot in words, each with its day: first those that ask for an answer, then those that
-    somebody has to mend, the newest first.
+def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[tuple[str, bool]]:
+    """Return the findings of a robot in words, each with its day and whether it is a note that asks for nothing: first
+    those that ask for an answer, then those that somebody has to mend, the newest first.
 
     Those on backlash say what cannot be judged, those that an event has answered are done: neither is to be checked.
     What is over comes last, and of several of a kind the newest alone, with how many there were before.
     """
     open_ones = [f for f in row["findings"] if f["kind"] != BACKLASH and not f.get("answered")]
-    newest = sorted(told_together(open_ones), key=lambda f: (to_do(f["kind"]), -(f.get("time") or 0)))
-    words = [_dated(f, row, zone) for f in newest if "end" not in f or lasts(f, row)]
-    over: dict[str, list[str]] = {}
+    newest = sorted(told_together(open_ones), key=lambda f: (to_do(f["kind"]), is_note(f, row), -(f.get("time") or 0)))
+    words = [(_dated(f, row, zone), is_note(f, row)) for f in newest if "end" not in f or lasts(f, row)]
+    over: dict[str, list[tuple[str, bool]]] = {}
     for found in newest:
         if "end" in found and not lasts(found, row):
-            over.setdefault(found["kind"], []).append(_dated(found, row, zone))
-    return words + [f"{told[0]}{before_words(len(told) - 1)}" for told in over.values()]
+            over.setdefault(found["kind"], []).append((_dated(found, row, zone), is_note(found, row)))
+    return words + [(f"{told[0][0]}{before_words(len(told) - 1)}", told[0][1]) for told in over.values()]
 
 
 def _over(row: Mapping[str, Any]) -> list[str]:

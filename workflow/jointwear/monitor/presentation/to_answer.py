@@ -6,13 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from jointwear.monitor.findings.findings import AT_ONCE, FELL
+from jointwear.monitor.findings.findings import AT_ONCE, FELL, PROGRAM, SHARED
 from jointwear.monitor.findings.greasing import GREASED
-from jointwear.monitor.findings.loud import LOUD, SMOOTH, UNEVEN
+from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
 from jointwear.monitor.findings.read_findings import DRIVES, NONE
+from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.thermometers import BROKEN
 from jointwear.monitor.judging.open_alarms import GROWN_BEFORE, OPEN_ALARM
+from jointwear.monitor.normal.override import OVERRIDE
 from jointwear.monitor.reading.zeros import ZERO
 
 #: Kind of a finding on logs that are dated ahead of now.
@@ -22,6 +24,8 @@ ASKING = (AHEAD, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREA
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
 WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
+#: Kinds that only tell how a robot ran and what of it is judged, unless they name logs to look at.
+TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED)
 
 
 def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
@@ -33,3 +37,10 @@ def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
 def to_do(kind: str) -> int:
     """Return the place of a kind of finding: those that ask for an answer, that are to be mended, and all others."""
     return 0 if kind in ASKING else 1 if kind in WHILE_IT_LASTS else 2
+
+
+def is_note(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
+    """Return whether a finding asks for nothing: neither an answer nor that something is mended, or it is over."""
+    if found["kind"] in ASKING or lasts(found, row):
+        return False
+    return "end" in found or (found["kind"] in TELLING and not found.get("logs"))
