@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jointwear.monitor.reading.regimes import find_regimes
+from jointwear.monitor.reading.regimes import find_regimes, parts_of_known
 
 
 def test_programs_are_told_apart_and_an_unseen_one_is_said_so():
@@ -62,3 +62,26 @@ def test_an_axis_without_a_torque_makes_no_new_program():
     never[:, 1] = True
     logs = np.where(never, np.nan, np.log(speed[which]))
     assert np.array_equal(find_regimes(told(logs), baseline, never), find_regimes(told(logs), baseline))
+
+
+def test_a_rare_part_of_a_known_cycle_is_no_new_program():
+    """Logs of 20 s of a cycle of 15 s: a part that three logs of the baseline caught came again after it."""
+    random = np.random.default_rng(5)
+    cycle, rare, new = np.zeros(6), np.full(6, 0.5), np.full(6, -0.8)
+    late = [rare, cycle, cycle] * 4
+    signature = np.stack([*[cycle] * 17, *[rare] * 3, *late]) + 0.02 * random.uniform(-1, 1, (32, 6))
+    baseline = np.arange(32) < 20
+    regime = find_regimes(signature, baseline)
+    assert len(set(regime[20:])) == 2
+    assert parts_of_known(signature, regime, baseline) == [regime[20]]
+    # Somewhat off those of the baseline they may still be of its cycle, unless they follow each other.
+    off = signature.copy()
+    off[20::3, 0] += 0.2
+    assert parts_of_known(off, regime, baseline) == [regime[20]]
+    order = [*range(20), *range(20, 32, 3), *(k for k in range(20, 32) if (k - 20) % 3)]
+    assert parts_of_known(off[order], regime[order], baseline) == []
+    # Another program is as far from every window of the baseline as from its programs.
+    signature[20::3] += new - rare
+    regime = find_regimes(signature, baseline)
+    assert len(set(regime[20:])) == 2
+    assert parts_of_known(signature, regime, baseline) == []

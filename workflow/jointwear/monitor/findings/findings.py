@@ -14,6 +14,7 @@ from jointwear.monitor.findings.loud import loud_findings
 from jointwear.monitor.findings.thermometers import broken, other_unit
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.reading.after_baseline import after_baseline
+from jointwear.monitor.reading.regimes import parts_of_known, signatures
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.another_robot import FEWEST_RISEN, MOST_AXES, Exchange
 from jointwear.monitor.watching.decision import NORMAL
@@ -194,7 +195,8 @@ def _programs(
         return []
     result = []
     after = after_baseline(baseline)
-    for regime in np.setdiff1d(np.unique(shown[after]), [*shown[baseline], -1]):
+    known = parts_of_known(signatures(statistics), shown, baseline)
+    for regime in np.setdiff1d(np.unique(shown[after]), [*shown[baseline], -1, *known]):
         rows = np.flatnonzero((shown == regime) & after)
         judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
         hours = statistics.length / 3600

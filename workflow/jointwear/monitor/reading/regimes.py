@@ -24,6 +24,8 @@ ALIKE, UNSEEN = 0.15, 0.3
 CLOSE, MOST = 2.0, 0.9
 #: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
 FEWEST, COVERED = 4, 0.7
+#: Share of the windows of a program that lie beside another of it, from which on they follow each other.
+IN_A_ROW = 0.5
 #: Windows of a program in the baseline that its usual is told from.
 USUAL = 3
 
@@ -123,6 +125,29 @@ def _split(
         alike = alike[[float(differences(signature[a], [middle])[0]) <= usual for a in alike]]
         regime[alike] = regime.max() + 1
         apart[alike] = False
+
+
+def parts_of_known(signature: np.ndarray, regime: np.ndarray, baseline: np.ndarray) -> list[int]:
+    """Return the regimes that the baseline lacks, though their windows are such as it had: a log that is short beside
+    the cycle catches another part of it each time, and parts that are rare make no regime in the baseline.
+
+    Half of their windows or more lie near one of the baseline, and nearer where they follow each other, as those of
+    another program do.
+
+    Parameters
+    ----------
+    signature : (w, 2 n). regime : (w,) of :func:`find_regimes`. baseline : (w,) bool.
+    """
+    before = list(signature[baseline & np.isfinite(signature).any(axis=1)])
+    found = []
+    for name in np.setdiff1d(regime[~baseline], [*regime[baseline], -1]):
+        own = regime == name
+        beside = np.concatenate([[False], own[:-1]]) | np.concatenate([own[1:], [False]])
+        near = UNSEEN if beside[own].mean() < IN_A_ROW else ALIKE
+        nearest = [differences(signature[k], before).min(initial=np.inf) for k in np.flatnonzero(own)]
+        if np.median(nearest) <= near:
+            found.append(int(name))
+    return found
 
 
 def beyond_usual(values: np.ndarray, program: np.ndarray, normal: np.ndarray) -> np.ndarray:
