@@ -55,6 +55,20 @@ def test_slow_samples_near_stops_are_no_other_speed():
     assert told(s) == []
 
 
+def test_another_part_of_the_cycle_is_no_other_speed():
+    """Logs of 24 s of a cycle of 35 s: some axes faster by a tenth, others slower by a quarter, all of one program."""
+    s = month()
+    value = speed(s)
+    value[LATE] += np.array([-0.1, -0.25, 0.1])
+    assert (unseen_speed(value, None, BASELINE)[LATE] < 0).all()
+    judged = np.ones(WINDOWS, dtype=bool)
+    assert override_findings(s, value, None, BASELINE, judged) == []
+    # Beside an override axes differ by less than it takes all of them along.
+    value[LATE] += np.array([-0.25, -0.2, -0.5])
+    (found,) = override_findings(s, value, None, BASELINE, judged)
+    assert "10 h at 0.67 times" in found["words"]
+
+
 def test_one_axis_that_moves_alone_tells_no_speed_of_all():
     value = np.zeros((WINDOWS, 3))
     value[LATE] = -3.0, np.nan, np.nan

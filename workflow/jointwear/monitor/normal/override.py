@@ -7,6 +7,9 @@ as that torque is large, on each axis by its own share, from the first window to
 The speed is the mean along the path, the sum of v^2 over that of |v|, in which a slow sample hardly counts: which
 samples near stops are left out, beside the switch of a load that is found in one window and not in the next one, moved
 the mean over time by 10 %.
+
+An override takes all axes along alike. A log that is short beside the cycle shows another part of it each time, in
+which some axes are faster and others slower than on the whole: such a window is not told as one at another speed.
 """
 
 from __future__ import annotations
@@ -26,6 +29,8 @@ from jointwear.statistics.known import known_median
 BEYOND = 0.05
 #: Share of the axes that usually move in a program which has to move in a window that tells the speed of all.
 MOST = 0.5
+#: Times the standard deviation of its axes by which a window has to be faster or slower for all to be so together.
+TOGETHER = 2.0
 #: Kind of the finding, and windows from which on it is told: fewer are an arm that waited for something.
 OVERRIDE, FEWEST_TOLD = "override", 3
 
@@ -52,9 +57,11 @@ def unseen_speed(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndar
     return _speeds(speed, regime, baseline)[1]
 
 
-def _speeds(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the log (w,) of the speed of all axes over the usual one of the same program, NaN unknown, and by how much
-    (w,) it leaves the range of the baseline."""
+def _speeds(
+    speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the log (w,) of the speed of all axes over the usual one of the same program, NaN unknown, by how much
+    (w,) it leaves the range of the baseline, and in which windows (w,) all axes are faster or slower together."""
     program = programs_or_one(regime, len(baseline))
     # Axes that rest have no say; nor have windows in which most of those that usually move do.
     own = beyond_usual(speed, program, baseline)
@@ -69,7 +76,10 @@ def _speeds(speed: np.ndarray, regime: np.ndarray | None, baseline: np.ndarray) 
         if len(known):
             below, above = change[inside] - known.min() + BEYOND, change[inside] - known.max() - BEYOND
             unseen[inside] = np.nan_to_num(np.minimum(below, 0.0) + np.maximum(above, 0.0))
-    return change, unseen
+    count = np.maximum(moving.sum(axis=1), 1)
+    mean = np.where(moving, own, 0.0).sum(axis=1) / count
+    spread = np.sqrt((np.where(moving, own - mean[:, None], 0.0) ** 2).sum(axis=1) / count)
+    return change, unseen, np.abs(change) >= TOGETHER * spread
 
 
 def override_findings(
@@ -79,14 +89,15 @@ def override_findings(
     baseline: np.ndarray,
     judged: np.ndarray,
 ) -> list[dict[str, Any]]:
-    """Return the finding on speeds that the baseline lacks, as of :func:`unseen_speed`; none where there is none.
+    """Return the finding on speeds that the baseline lacks, as of :func:`unseen_speed`; none where there is none, or
+    where the axes do not change together.
 
     Parameters
     ----------
     judged : (w,) bool, whether most axes are.
     """
-    change, unseen = _speeds(speed, regime, baseline)
-    rows = np.flatnonzero((unseen != 0) & after_baseline(baseline))
+    change, unseen, together = _speeds(speed, regime, baseline)
+    rows = np.flatnonzero((unseen != 0) & together & after_baseline(baseline))
     if len(rows) < FEWEST_TOLD:
         return []
     factors = np.exp(change[rows])
