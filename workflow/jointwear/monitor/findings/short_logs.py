@@ -1,0 +1,43 @@
+"""Logs that hold much less than the others of a robot that always logs for as long: cut off while they were written,
+or copied before they were whole. What they hold is judged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import significant
+from jointwear.monitor.reading.assembly import History
+
+#: Kind of the finding.
+SHORT = "short_logs"
+#: Fewest logs that tell how long one usually is, share of them that has to be so, and by how much these may differ.
+FEWEST, MOST, ALIKE = 10, 0.8, 0.02
+#: Share of that length below which a log ends early.
+EARLY = 0.9
+
+
+def short_log_findings(history: History) -> list[dict[str, Any]]:
+    """Return a finding on logs that end early, where most logs last equally long, and less than a window.
+
+    A log that fills its window or more ends where the work does. The newest one may still be being written.
+    """
+    known = [p for p in history.pieces if np.isfinite(p.first) and not p.copy_of and p.statistics.windows]
+    known.sort(key=lambda p: p.first)
+    lasted = np.array([p.last - p.first for p in known])
+    if len(known) < FEWEST:
+        return []
+    usual = float(np.median(lasted))
+    if not 0 < usual < history.statistics.length or np.mean(np.abs(lasted / usual - 1) <= ALIKE) < MOST:
+        return []
+    early = np.flatnonzero(lasted[:-1] < EARLY * usual)
+    if not len(early):
+        return []
+    shortest = early[np.argmin(lasted[early])]
+    logs, where = ("1 log ends", "") if len(early) == 1 else (f"{len(early)} logs end", "the shortest, ")
+    words = (
+        f"{logs} early, {where}{known[shortest].log}, after {significant(lasted[shortest], 2)} s of "
+        f"{significant(usual, 2)} s: cut off while written or copied? What is there is judged."
+    )
+    return [{"time": known[early[0]].first, "end": known[early[-1]].last, "axes": [], "kind": SHORT, "words": words}]
