@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ElementTree
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -111,8 +112,20 @@ def read_urdf_joints(path: Path, check_inertia: bool = True) -> list[dict[str, A
 
 
 def moving_mass(path: Path) -> float:
-    """Return the mass [kg] of all links of a checked URDF that move, to hold the model built from it to."""
-    root = _parse(path)
+    """Return the mass [kg] of all links of a checked URDF that move, to hold the model built from it to.
+
+    Raises
+    ------
+    InputError : if it cannot be read any more.
+    """
+    # A log may build dozens of models, each of which asks.
+    return _moving_mass(path, _read(path))
+
+
+@lru_cache(maxsize=16)
+def _moving_mass(path: Path, data: bytes) -> float:
+    """Return :func:`moving_mass` of a file that holds `data`."""
+    root = _parsed(path, data)
     links = _links(path, root)
     joints = read_joints(path, root, links)
     still = welded(chain_of(path, links, joints)[0].parent, joints)
@@ -135,15 +148,23 @@ def _declared(data: bytes) -> str:
 
 
 def _parse(path: Path) -> ElementTree.Element:
+    return _parsed(path, _read(path))
+
+
+def _read(path: Path) -> bytes:
     check_regular(path, LARGEST_URDF)
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+
+
+def _parsed(path: Path, data: bytes) -> ElementTree.Element:
+    try:
         declared = _declared(data)
         if declared and declared.lower() not in ENCODINGS:
             raise InputError(f"declares the encoding {shown(declared)} (allowed: {', '.join(ENCODINGS)})")
         root = ElementTree.fromstring(data, ElementTree.XMLParser(target=_Builder()))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except ElementTree.ParseError as error:
         raise InputError(f"{path}: is not valid XML ({error})") from None
     except InputError as error:

@@ -36,6 +36,8 @@ from jointwear.robots.robot import Robot
 LOOK = 1500
 #: One of so many of them is enough to rule out most other readings of the axes.
 SOME = 8
+#: Share of a sum of squares up to which rounding changes it.
+ROUNDING = 1e-9
 #: Drop of the log residual, summed over axes, from which another reading of the axes is believed, and down to which
 #: it is worth a closer look.
 CLEARLY = 0.9
@@ -93,25 +95,28 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
 
 
-def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, loosely: bool = False) -> np.ndarray:
     """Return for each axis the part (n,) of the squared torque that the model leaves, sizes of friction left free; NaN
     where fewer than `FEWEST` samples can be judged.
 
     Parameters
     ----------
     parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
+    loosely : signs are left free too, and any number of samples is judged: never more, and several times as fast.
     """
     rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
+    if loosely:
+        return _left_loosely(dynamics.robot, rigid, parts, usable)
     return _left(dynamics.robot, rigid, parts, usable, range(parts.shape[2]))
 
 
 def _explained_at_least(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, reading: Reading) -> np.ndarray:
     """Return for each axis no more than what :func:`explained` says of a reading, from one sample in :data:`SOME`.
 
-    A fit to all samples leaves at least as much of these as a fit to them alone.
+    A fit to all samples leaves at least as much of these as a fit to them alone, however few they are.
     """
     some, known = reading.read(parts[::SOME], usable[::SOME], dynamics.robot)
-    left = np.nan_to_num(explained(dynamics, some, known)) * np.sum(some[:, 3] ** 2, axis=0, where=known)
+    left = explained(dynamics, some, known, True) * np.sum(some[:, 3] ** 2, axis=0, where=known)
     read, known = reading.read(parts, usable, dynamics.robot)
     left /= np.maximum(np.sum(read[:, 3] ** 2, axis=0, where=known), 1e-12)
     return np.where(known.sum(axis=0) < FEWEST, np.nan, left)
@@ -166,6 +171,19 @@ def _left(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray
         _, norm = nnls(design, torque - rigid[used, j] + robot.armature[j] * a)
         shares[j] = norm**2 / max(float(np.sum(torque**2)), 1e-12)
     return shares
+
+
+def _left_loosely(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+    """Return no more than :func:`_left` of all axes, (n,): what a projection leaves, by which rounding adds nothing."""
+    _, v, a, torque = np.where(usable, parts.transpose(1, 0, 2), 0.0)
+    level = np.where(v > 0, robot.coulomb_positive, robot.coulomb_negative)
+    level = np.where(np.any(np.where(usable, level, 0.0), axis=0), level, np.where(v > 0, 1.0, -1.0))
+    design = np.stack([np.where(usable, level, 0.0), v, a], axis=-1).transpose(1, 0, 2)
+    wanted = np.where(usable, torque - rigid + robot.armature * a, 0.0).T
+    along = np.linalg.qr(design)[0].transpose(0, 2, 1) @ wanted[..., None]
+    square = np.sum(wanted**2, axis=1)
+    left = np.maximum(square - np.sum(along[..., 0] ** 2, axis=1) - ROUNDING * square, 0.0)
+    return left / np.maximum(np.sum(torque**2, axis=0), 1e-12)
 
 
 def total_left(left: np.ndarray, floor: float) -> float:
