@@ -125,7 +125,7 @@ def test_a_lag_that_leaves_as_much_of_the_torque_is_none():
 
 def test_a_program_that_moves_each_axis_by_a_time_of_its_own_is_no_lag():
     """A program that began after the first log: 0, 9, 13 and 36 ms, of which the median explains most axes better."""
-    sharp, far = np.full(4, 2e4), np.array([3e3, 2e4, 4e3, 1e3])
+    sharp, far = np.full(4, 2e4), np.array([600.0, 1.2e4, 1.7e4, 1.1e3])
     first = Lag(np.zeros(4), np.full(4, 5e-4), sharp)
     own = np.array([0.0003, 0.0093, 0.0134, 0.0362])
     assert change_of(Lag(own, np.full(4, 1e-3), far), first) == 0.0
