@@ -125,6 +125,42 @@ def test_newest_logs_that_are_refused_are_not_healthy(monitored):
     assert standing(torn)["refused_newest"] == 0
 
 
+def test_a_log_of_which_rows_alone_were_left_out_is_not_refused(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    begin, end = float(state.start[0]), float(state.end[-1])
+    middle = (begin + end) / 2
+
+    def told(words, last=end, flags=0):
+        flags = np.where(state.start[:, None] >= middle, flags, 0) | np.zeros_like(state.flags)
+        times = {"first": np.array([begin, middle]), "last": np.array([middle, last])}
+        logs = {"logs": ["a.csv", "b.csv"], "refused": ["", words], "copy_of": ["", ""]}
+        row = standing(replace(state, flags=flags, **times, **logs))
+        assert bool(row["refusals"]) == bool(row["refused_logs"])
+        return row["refused_logs"], row["left_out_logs"]
+
+    torn = "b.csv: row 1202 has 1 cell, the header names 25 columns; it and 1 more row were left out"
+    assert told(torn) == (0, 1)
+    assert told(torn, flags=int(Flag.REFUSED)) == (1, 0)
+    assert told(torn, last=np.nan) == (1, 0)
+    assert told("b.csv: the sign looks flipped") == (1, 0)
+    assert told(f"{torn}; b.csv: is truncated or not a Parquet file") == (1, 0)
+
+
+def test_an_axis_whose_last_window_is_not_judged_stays_changed(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    worn = np.array(state.status, dtype=object)
+    after = slice(state.baseline, None)
+    worn[after, 0] = "changed"
+    named = standing(replace(state, status=worn))
+    worn = worn.copy()
+    worn[-1, 0] = UNJUDGED
+    blind = standing(replace(state, status=worn))
+    assert "1" in named["axes_changed"].split()
+    assert named["axes_changed"] == blind["axes_changed"]
+
+
 def test_newest_logs_without_any_sample_are_not_healthy(monitored):
     """They have no time of their own; where they stand in the list tells that they are the newest."""
     folder, _, _ = monitored

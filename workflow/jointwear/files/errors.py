@@ -12,6 +12,8 @@ LONGEST_MESSAGE = 2000
 #: What is said of a file without a byte, of a log without a row, and of a file whose end may be lacking. Each may be
 #: one that is still being written.
 EMPTY, NO_SAMPLES, TRUNCATED = "is empty", "holds no samples", "is truncated or not a"
+#: What is said of rows or cells of a log that do not count, while all others do.
+LEFT_OUT = "left out"
 
 
 class InputError(ValueError):

@@ -26,7 +26,7 @@ from jointwear.monitor.presentation.condition import (
 )
 from jointwear.monitor.presentation.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.presentation.episodes import Episode
-from jointwear.monitor.presentation.standing import last_judged, standing
+from jointwear.monitor.presentation.standing import last_judged, rows_left_out, standing
 from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.presentation.temperature import temperature_share
 from jointwear.monitor.presentation.to_answer import ASKING
@@ -102,17 +102,19 @@ def temperature_rows(state: RobotState) -> list[dict[str, Any]]:
 
 
 def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
-    """Return every log with its first and last sample in words, why it was refused, and whose copy it is."""
+    """Return every log with its first and last sample in words, why it was refused, or rows of it alone, and whose copy
+    it is."""
     return [
         {
             "name": log,
             "first": when(state, a, zone) if np.isfinite(a) else None,
             "last": when(state, b, zone) if np.isfinite(a) else None,
             "refused": told.replace(f"{log}: ", ""),
+            "rows_alone": rows,
             "copy_of": other,
         }
-        for log, a, b, told, other in zip(
-            state.logs, state.first, state.last, state.refused, state.copy_of, strict=True
+        for log, a, b, told, rows, other in zip(
+            state.logs, state.first, state.last, state.refused, rows_left_out(state), state.copy_of, strict=True
         )
     ]
 

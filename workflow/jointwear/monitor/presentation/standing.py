@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.files.errors import EMPTY, NO_SAMPLES, TRUNCATED, InputError, shown
+from jointwear.files.errors import EMPTY, LEFT_OUT, NO_SAMPLES, TRUNCATED, InputError, shown
 from jointwear.files.json_documents import read_json
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.measurement.flags import Flag
@@ -82,14 +82,15 @@ def standing(state: RobotState) -> dict[str, Any]:
     first = urgency(conditions)
     ordered = first + [c for c in conditions if c not in first]
     unjudged = state.status == UNJUDGED
-    whole = robot_episodes(state)
+    whole, part = robot_episodes(state), rows_left_out(state)
     episodes = [e for c in ordered for e in c.episodes] + [e for e in whole if e.resolved is None]
     closed = [e for c in ordered for e in c.past] + [e for e in whole if e.resolved is not None]
     return {
         "alarms": len(state.counted),
-        "axes_changed": " ".join(str(j + 1) for j in range(state.axes) if state.status[-1, j] == CHANGED),
+        "axes_changed": " ".join(str(c.axis) for c in conditions if c.level == CHANGED),
         "logs": len(state.logs),
-        "refused_logs": sum(bool(told) for told in state.refused),
+        "refused_logs": sum(bool(told) for told in state.refused) - sum(part),
+        "left_out_logs": sum(part),
         "copied_logs": sum(bool(name) for name in state.copy_of),
         "unjudged_logs": _unjudged_logs(state, unjudged.all(axis=1)),
         "windows": len(state.start),
@@ -105,7 +106,7 @@ def standing(state: RobotState) -> dict[str, Any]:
         "episodes": [episode_row(e, conditions) for e in episodes],
         "closed": [closed_row(e) for e in closed],
         "findings": as_json(state.findings),
-        "refusals": [told for told in state.refused if told][-TOLD_REFUSALS:],
+        "refusals": [told for told, few in zip(state.refused, part, strict=True) if told and not few][-TOLD_REFUSALS:],
     }
 
 
@@ -135,6 +136,18 @@ def refused_newest(state: RobotState) -> int:
         else:
             count += bool(told) and before >= reached
     return count
+
+
+def rows_left_out(state: RobotState) -> list[bool]:
+    """Return of which logs only rows or cells were left out: all else that they hold was read, and not refused."""
+    refused = (state.flags & int(Flag.REFUSED)).any(axis=1)
+    return [
+        LEFT_OUT in told
+        and TRUNCATED not in told
+        and bool(np.isfinite(last))
+        and not (refused & (state.start <= last) & (state.end > first)).any()
+        for told, first, last in zip(state.refused, state.first, state.last, strict=True)
+    ]
 
 
 def unfinished(state: RobotState) -> bool:
