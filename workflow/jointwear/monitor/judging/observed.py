@@ -15,9 +15,9 @@ from jointwear.monitor.normal.override import path_speed, unseen_speed
 from jointwear.monitor.normal.payload import gravity_share
 from jointwear.monitor.normal.products import Product, with_products
 from jointwear.monitor.normal.programs import labelled_regimes
-from jointwear.monitor.normal.series import Series, friction_series, known_coulomb, sums_of
+from jointwear.monitor.normal.series import Series, by_programs, friction_series, known_coulomb, sums_of
 from jointwear.monitor.normal.shifts import shift_labels
-from jointwear.monitor.reading.regimes import find_regimes, signatures, without_torque
+from jointwear.monitor.reading.regimes import find_regimes, programs_or_one, signatures, without_torque
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.backlash import hidden_because
 from jointwear.monitor.watching.scale import scale_series
@@ -68,6 +68,7 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     scale = scale_series(sums, noise)
     unseen = unseen_speed(path_speed(features), regime, first) != 0
     program, products = with_products(statistics, scale, regime, shift, first, unseen)
+    series = by_programs(series, statistics, coulomb, programs_or_one(program, statistics.windows), first)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)
     # What was done before the baseline is part of what is normal.
     begin = float(start[np.flatnonzero(first)[0]]) if first.any() else -np.inf

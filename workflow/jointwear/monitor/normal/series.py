@@ -3,7 +3,8 @@
 `coulomb`: log of the Coulomb level over the nominal one. `friction`: log of Coulomb and viscous friction at the usual
 speed of the axis, which a short window shows far better than either part; `viscous`: the viscous part at that speed,
 over the friction of the baseline. Nuisances (offset, gravity, inertia) are estimated along as :mod:`.estimate` says.
-`beside_bodies`: as `friction`, with gravity and inertia free in every window, whatever that costs.
+`beside_bodies`: as `friction`, with gravity and inertia free in every window, whatever that costs. Windows that are
+less sure than is usual have the larger variance, or none of the values (:mod:`.unsure`).
 """
 
 from __future__ import annotations
@@ -17,11 +18,13 @@ from jointwear.monitor.normal.estimate import (
     Sums,
     change_columns,
     choose_free,
+    column_change,
     column_estimate,
     contrast,
     pool_windows,
     prior_scale,
 )
+from jointwear.monitor.normal.unsure import beyond_usual, coloured_variance, not_of_program, odd_windows
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
 
@@ -32,7 +35,8 @@ LOWEST = 0.02
 LOUDEST = 4.0
 #: Standard deviation of a log level above which a window shows nothing.
 COARSEST = 0.25
-#: Standard errors by which friction that is not known must lie nearer to none than to that of the baseline.
+#: Standard errors by which friction that is not known must lie nearer to none than to that of the baseline: where it is
+#: only not seen, no sign is turned.
 DRIVES = 5.0
 _VISCOUS = COLUMNS.index("viscous")
 _BODIES = [COLUMNS.index("gravity"), COLUMNS.index("inertial")]
@@ -40,10 +44,12 @@ _BODIES = [COLUMNS.index("gravity"), COLUMNS.index("inertial")]
 
 @dataclass(frozen=True)
 class Series:
-    """Arrays (w, n): `value`, NaN where a window shows nothing, and `variance`, what the window's noise explains.
+    """Arrays (w, n): `value`, NaN where a window shows nothing, and `variance`, what the window's noise explains, and
+    what it is less sure by than is usual.
 
     `unit` (n,): torque [N m] of one unit of the level; `share` (n,): of Coulomb friction in it, in the baseline.
     `driving` (w, n) bool, or None: nothing is left of the level, or it lies below zero, as friction never does.
+    `unsure` (w, n) bool, or None: the value is not told because the window is far less sure of it than is usual.
     `added` (n,), or None: torque [N m] that viscous friction adds to the level while it grows by as much as all
     friction of the baseline at the usual speed.
     """
@@ -54,6 +60,7 @@ class Series:
     share: np.ndarray
     driving: np.ndarray | None = None
     added: np.ndarray | None = None
+    unsure: np.ndarray | None = None
 
 
 def friction_series(
@@ -66,6 +73,7 @@ def friction_series(
     coulomb : (n, 2) nominal levels [N m], both positive. viscous : (n,) [N m s/rad]. baseline : (w,) bool.
     """
     sums, _ = sums_of(statistics, coulomb, baseline)
+    score = _turned_matrix(statistics.score, column_change(coulomb))
     scale = prior_scale(coulomb, viscous)
     speed = usual_speed(statistics, baseline)
     known = coulomb.sum(axis=1) > 0
@@ -74,9 +82,11 @@ def friction_series(
     first = _part(sums, baseline)
     plain = pool_windows(first, scale)
     value, variance = column_estimate(sums, plain.held, plain.free, plain.variance)
-    coulomb_level = _logs(nominal + value, variance, level, np.ones(len(level)))
+    more = beyond_usual(coloured_variance(sums.gram, score, plain.free), baseline)
+    coulomb_level = _logs(nominal + value, variance, more, level, np.ones(len(level)))
     # Friction at the usual speed: the viscous column less the Coulomb column that it is like at that speed.
     turned = _turned(sums, speed / level)
+    score = _turned_matrix(score, _at_speed(speed / level))
     turned_scale = scale.copy()
     turned_scale[:, 0] = np.hypot(scale[:, 0], scale[:, _VISCOUS] * speed / level)
     usual = pool_windows(_part(turned, baseline), turned_scale)
@@ -85,11 +95,14 @@ def friction_series(
     seen = choose_free(np.where(first.usable[..., None, None], _part(turned, baseline).gram, 0.0).sum(axis=0))
     free &= seen | (np.arange(len(COLUMNS)) == _VISCOUS)
     value, variance = column_estimate(turned, usual.held, free, usual.variance)
+    coloured = coloured_variance(turned.gram, score, free)
     at_speed = nominal + viscous * speed / level + value
     with np.errstate(all="ignore"):
         usual_level = known_median(np.where(baseline[:, None], at_speed, np.nan), axis=0)
     middle = np.where(np.nan_to_num(usual_level) > 0, usual_level, 1.0)
-    slope, slope_variance = column_estimate(turned, usual.held, np.ones_like(free), usual.variance, _VISCOUS)
+    every = np.ones_like(free)
+    slope, slope_variance = column_estimate(turned, usual.held, every, usual.variance, _VISCOUS)
+    slope_variance += beyond_usual(coloured_variance(turned.gram, score, every, _VISCOUS), baseline)
     part = (viscous + slope) * speed / level / middle
     with np.errstate(all="ignore"):
         of_coulomb = 1 - known_median(np.where(baseline[:, None], part, np.nan), axis=0)
@@ -97,13 +110,14 @@ def friction_series(
     of_coulomb = np.where(np.isfinite(of_coulomb), of_coulomb, nominal_share)
     # A robot file without friction says nothing of its parts. Where the motion tells them no better, all of it counts.
     share = np.clip(np.nan_to_num(0.5 * (of_coulomb + nominal_share), nan=1.0), 0.1, 1.0)
-    friction = _logs(at_speed, variance, level, share)
+    friction = _logs(at_speed, variance, beyond_usual(coloured, baseline), level, share)
     loose = free.copy()
     loose[:, _BODIES] = True
-    value, variance = column_estimate(turned, usual.held, loose, usual.variance)
-    beside = _logs(nominal + viscous * speed / level + value, variance, level, share)
+    value, beside_variance = column_estimate(turned, usual.held, loose, usual.variance)
+    more = beyond_usual(coloured_variance(turned.gram, score, loose), baseline)
+    beside = _logs(nominal + viscous * speed / level + value, beside_variance, more, level, share)
     with np.errstate(invalid="ignore"):
-        none = at_speed + DRIVES * np.sqrt(variance) < 0.5 * usual_level
+        none = at_speed + DRIVES * np.sqrt(np.maximum(variance, coloured)) < 0.5 * usual_level
     size = np.where(speed > 0, speed / level / middle, np.nan)
     of_slope = _known(slope_variance * size**2, slope_variance * size**2)
     return {
@@ -112,6 +126,39 @@ def friction_series(
         "viscous": Series(_known(part, of_slope), of_slope, level * middle, share),
         "beside_bodies": beside,
     }
+
+
+def by_programs(
+    series: dict[str, Series],
+    statistics: WindowStatistics,
+    coulomb: np.ndarray,
+    program: np.ndarray,
+    baseline: np.ndarray,
+) -> dict[str, Series]:
+    """Return the series without the windows that are :func:`.unsure.odd_windows` of their `program` (w,) label.
+
+    Friction that has come out below zero in a program ever since the baseline is only not seen there, and no news.
+
+    The others are those of :func:`friction_series`.
+    """
+    sums, _ = sums_of(statistics, coulomb, baseline)
+    first = _part(sums, baseline)
+    free = choose_free(np.where(first.usable[..., None, None], first.gram, 0.0).sum(axis=0))
+    variance = coloured_variance(sums.gram, _turned_matrix(statistics.score, column_change(coulomb)), free)
+    # A window with few moves is less sure, but no odd one.
+    variance *= contrast(sums.gram, free)[1]
+    odd = odd_windows(np.where(sums.usable & (variance > 0), np.sqrt(variance), np.nan), program, baseline)
+    result = {name: _without(one, odd) for name, one in series.items()}
+    driving = not_of_program(series["friction"].driving, sums.usable, program, baseline)
+    return {**result, "friction": replace(result["friction"], driving=driving)}
+
+
+def _without(series: Series, odd: np.ndarray) -> Series:
+    """Return a series that tells no value of the windows `odd` (w, n)."""
+    unsure = odd & np.isfinite(series.value)
+    value, variance = (np.where(odd, np.nan, x) for x in (series.value, series.variance))
+    unsure = unsure if series.unsure is None else unsure | series.unsure
+    return replace(series, value=value, variance=variance, unsure=unsure)
 
 
 def _leak(first: Sums, free: np.ndarray, speed: np.ndarray, level: np.ndarray) -> np.ndarray:
@@ -174,20 +221,32 @@ def _part(sums: Sums, rows: np.ndarray) -> Sums:
 
 def _turned(sums: Sums, at: np.ndarray) -> Sums:
     """Return sums whose first coefficient is friction at a speed: column viscous becomes x_v - at x_coulomb."""
-    n = len(at)
-    change = np.broadcast_to(np.eye(5), (n, 5, 5)).copy()
-    change[:, 0, _VISCOUS] = -at
-    gram = np.einsum("nji,wnjk,nkl->wnil", change, sums.gram, change)
+    change = _at_speed(at)
+    gram = _turned_matrix(sums.gram, change)
     moment = np.einsum("nji,wnj->wni", change, sums.moment)
     return Sums(gram, moment, sums.residual_square, sums.freedom, sums.usable)
 
 
-def _logs(level: np.ndarray, variance: np.ndarray, unit: np.ndarray, share: np.ndarray) -> Series:
+def _at_speed(at: np.ndarray) -> np.ndarray:
+    """Return the matrices (n, 5, 5) that take `at` (n,) of the Coulomb column off the viscous one."""
+    change = np.broadcast_to(np.eye(5), (len(at), 5, 5)).copy()
+    change[:, 0, _VISCOUS] = -at
+    return change
+
+
+def _turned_matrix(matrix: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """Return sums of products (w, n, 5, 5) for the columns that `change` (n, 5, 5) makes."""
+    return np.einsum("nji,wnjk,nkl->wnil", change, matrix, change)
+
+
+def _logs(level: np.ndarray, variance: np.ndarray, more: np.ndarray, unit: np.ndarray, share: np.ndarray) -> Series:
+    """Return the log of a level (w, n) with a `variance` (w, n), and `more` of it beyond what is usual."""
     with np.errstate(all="ignore"):
         positive = level > LOWEST
         value = np.where(positive, np.log(np.where(positive, level, 1.0)), np.nan)
-        relative = np.where(positive, variance / level**2, np.nan)
-    return Series(_known(value, relative), _known(relative, relative), unit, share)
+        told, relative = (np.where(positive, v / level**2, np.nan) for v in (variance, variance + more))
+    result = Series(_known(value, relative), _known(relative, relative), unit, share)
+    return replace(result, unsure=np.isfinite(_known(value, told)) & ~np.isfinite(result.value))
 
 
 def _known(values: np.ndarray, variance: np.ndarray) -> np.ndarray:

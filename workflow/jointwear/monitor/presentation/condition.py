@@ -37,7 +37,7 @@ CLEAR = 2.0
 UNSEEN, PAUSES = 3 * NOW, 2.0
 #: Why an axis that moves is not judged, where that is no pause: it waits for what is normal to be learnt, or for its
 #: logs to be mended. A program that never shows its friction is one.
-WAITS = (Reason.LEARNING, Reason.CONDITIONS, Reason.LOUD, Reason.DRIVES)
+WAITS = (Reason.LEARNING, Reason.CONDITIONS, Reason.LOUD, Reason.DRIVES, Reason.UNSURE)
 
 
 @dataclass(frozen=True)

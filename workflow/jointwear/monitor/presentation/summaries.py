@@ -54,6 +54,7 @@ REASONS = {
     Reason.CONDITIONS: "a program, speed, load or temperature that the normal period did not have",
     Reason.DRIVES: "its friction came out at zero or below: a turned sign, or a torque without friction",
     Reason.LOUD: "the model leaves several times as much of its torque as in the normal period (a unit, a load?)",
+    Reason.UNSURE: "its estimate is far less sure than is usual (a part that was not found in these windows?)",
 }
 
 

@@ -44,6 +44,7 @@ class Reason(IntEnum):
     CONDITIONS = 3
     LOUD = 4
     DRIVES = 5
+    UNSURE = 6
 
 
 @dataclass(frozen=True)
@@ -186,7 +187,9 @@ class Teller:
             if axis is None:
                 result[hidden, j] = Reason.BASELINE
                 continue
-            driving = self._series["friction"].driving
+            unsure, driving = self._series[axis.source].unsure, self._series["friction"].driving
+            if unsure is not None:
+                result[hidden & unsure[:, j], j] = Reason.UNSURE
             result[hidden & loud[:, j], j] = Reason.LOUD
             if driving is not None:
                 result[hidden & driving[:, j], j] = Reason.DRIVES
