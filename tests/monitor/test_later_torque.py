@@ -17,6 +17,7 @@ from jointwear.monitor.reading.later_check import LaterCheck, beyond_loads
 from jointwear.monitor.reading.logs import log_statistics
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.survey import survey_log
+from jointwear.monitor.reading.windows import blank_statistics
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Link, load_robot
 from jointwear.robots.trajectory import Task
@@ -124,6 +125,22 @@ def test_a_torque_that_the_model_does_not_know_is_not_judged(tmp_path, good):
     (told,) = reading_findings(found.statistics)
     assert told["axes"] == [3]
     assert "fits neither the model nor the first log" in told["words"]
+    assert told["kind"] == "contradicted"
+
+
+def test_a_torque_that_was_never_explained_in_a_program_is_told_once_and_is_no_fault():
+    program, baseline = np.tile([0, 1], 20), np.arange(40) < 16
+    s = blank_statistics(3600.0 * np.arange(40), 3600.0, np.ones(3))
+    s.flags[program == 1, 2] = int(Flag.CONTRADICTED)
+    (told,) = reading_findings(s, baseline, None, program)
+    assert (told["kind"], told["axes"], told["time"]) == ("contradicted_since", [3], s.start[1])
+    assert "20 windows of programs that were so in the normal period" in told["words"]
+    assert "end" not in told
+    # What comes later in another program is told as before.
+    s.flags[30, 2] = int(Flag.CONTRADICTED)
+    assert [f["kind"] for f in reading_findings(s, baseline, None, program)] == ["contradicted_since", "contradicted"]
+    s.flags[program == 1, 2] = np.where(baseline[program == 1], 0, int(Flag.CONTRADICTED))
+    assert {f["kind"] for f in reading_findings(s, baseline, None, program)} == {"contradicted"}
 
 
 def test_another_unit_from_the_middle_of_a_log_on(tmp_path, good):

@@ -10,6 +10,7 @@ import numpy as np
 from jointwear.effects import get_effect
 from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.flags import Flag
+from jointwear.monitor.normal.unsure import not_of_program
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
@@ -70,6 +71,9 @@ _READ = {
     ),
 }
 
+#: Kind of a torque that the model has never explained in a program, and share of the windows of the baseline in it from
+#: which on it is that: two windows of 28 are odd ones.
+SINCE, OFTEN = "contradicted_since", 0.1
 #: Kind of friction that is none, or drives.
 DRIVES = "drives"
 #: Kinds of an axis that has no samples that count: an odd hour of it is told in numbers alone, a shift in words.
@@ -77,7 +81,10 @@ NONE = ("outside", "frozen", "missing")
 
 
 def reading_findings(
-    statistics: WindowStatistics, baseline: np.ndarray | None = None, shift: np.ndarray | None = None
+    statistics: WindowStatistics,
+    baseline: np.ndarray | None = None,
+    shift: np.ndarray | None = None,
+    program: np.ndarray | None = None,
 ) -> list[dict[str, Any]]:
     """Return one finding for each run of windows in which the clock went back, samples were refused or are missing, or
     torques stay at a limit or are none that the model knows.
@@ -86,6 +93,8 @@ def reading_findings(
     ----------
     baseline : (w,) bool, default all windows; what an axis never had there is no news.
     shift : (w,) labels, rising, default one for each window; what is missing for less than a shift is not told.
+    program : (w,) label, -1 unknown, default one program. A torque that the model did not explain in it in the baseline
+        either is told once, as no fault.
     """
     result: list[dict[str, Any]] = []
     moved = np.asarray(statistics.count) > 0
@@ -102,6 +111,11 @@ def reading_findings(
             marked &= statistics.flags & int(Flag.REFUSED) == 0
         elif flag == Flag.CONTRADICTED:
             marked &= statistics.flags & int(Flag.TORQUE_FROZEN) == 0
+            if baseline is not None:
+                label = np.zeros(statistics.windows, dtype=int) if program is None else program
+                news = not_of_program(marked, np.ones_like(marked), label, baseline, OFTEN)
+                result += _since_baseline(statistics, marked & ~news)
+                marked = news
         seen = marked.any(axis=1)
         for part in (p for p in runs(seen) if seen[p.start]):
             if kind in NONE and not _holds_a_shift(shift, part):
@@ -118,6 +132,20 @@ def reading_findings(
                 }
             )
     return result
+
+
+def _since_baseline(statistics: WindowStatistics, marked: np.ndarray) -> list[dict[str, Any]]:
+    """Return the finding on windows `marked` (w, n) of programs whose torque the model has never explained, or none."""
+    rows, axes = np.flatnonzero(marked.any(axis=1)), (np.flatnonzero(marked.any(axis=0)) + 1).tolist()
+    if not len(rows):
+        return []
+    words = (
+        f"In {count(len(rows), 'window')} of programs that were so in the normal period already, the torque of "
+        f"{name_axes(axes)} fits neither the model nor the first log: a load at the flange that the robot file lacks, "
+        "or a motion in which this torque is small, and no fault that came since. These windows are not judged; state "
+        "the load as 'payload' of the robot file."
+    )
+    return [{"time": float(statistics.start[rows[0]]), "axes": axes, "kind": SINCE, "words": words}]
 
 
 def _holds_a_shift(shift: np.ndarray, part: slice) -> bool:
