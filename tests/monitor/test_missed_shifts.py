@@ -11,7 +11,7 @@ from jointwear.monitor.findings.seen_growth import MISSED, missed_findings
 from jointwear.monitor.normal.conditions import Conditions
 from jointwear.monitor.normal.dispersion import ShiftMeans
 from jointwear.monitor.normal.learning import learn_axes
-from jointwear.monitor.normal.missed import missed_variance, with_missed
+from jointwear.monitor.normal.missed import missed_variance, with_missed, with_scatter
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.presentation.to_answer import ASKING
 from jointwear.monitor.watching.watched_axis import UNSEEN, WatchedAxis
@@ -91,3 +91,20 @@ def test_a_proposed_service_is_learnt_at_temperatures_of_the_baseline(proposed, 
         series_value=np.zeros(32), design=SimpleNamespace(beyond=np.where(axis.shift < 4, 0.003**2, 0.0))
     )
     assert np.unique(axis.shift[axis._after(0, 32, proposed)]).tolist() == learnt
+
+
+def test_windows_of_a_program_that_scatter_more_count_for_less_in_it_alone():
+    rng, w = np.random.default_rng(1), SHIFTS * PER
+    program = np.tile(np.arange(PER) >= 7, SHIFTS).astype(int)
+    value = 0.005 * rng.standard_normal((w, 3))
+    value[:, 0] += np.where(program == 1, 0.2 * rng.standard_normal(w), 0.0)
+    start, flat = 3600.0 * np.arange(w), np.ones((w, 3))
+    conditions = Conditions(start, start + 3600.0, np.nan * flat, np.zeros((w, 3, 5)), flat, np.zeros(w), program, True)
+    series = Series(value, 0.005**2 * flat, np.ones(3), np.ones(3))
+    axes = learn_axes([series], ["coulomb"], conditions, np.repeat(BASELINE[:, None], 3, axis=1), SHIFT)
+    loose, same = (with_scatter(axes[j], program, SHIFT) for j in (0, 1))
+    more = loose.series_variance - axes[0].series_variance
+    assert (more[program == 1] > 0.05**2).all()
+    assert not more[program == 0].any()
+    assert np.array_equal(same.series_variance, axes[1].series_variance)
+    assert with_scatter(axes[0], None, SHIFT) is axes[0]

@@ -24,7 +24,7 @@ from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.judging.observed import Observed, observe
 from jointwear.monitor.judging.open_alarms import grown_before_findings, open_alarm_findings
 from jointwear.monitor.normal.learning import AxisNormal, learn_axes
-from jointwear.monitor.normal.missed import with_missed
+from jointwear.monitor.normal.missed import with_missed, with_scatter
 from jointwear.monitor.normal.override import override_findings, path_speed
 from jointwear.monitor.normal.products import product_findings
 from jointwear.monitor.normal.programs import program_findings
@@ -232,6 +232,8 @@ def _normal_states(
     ):
         if name not in known:
             known[name] = learn_axes(candidates, levels[: len(candidates)], seen.conditions, quiet, seen.shift, recall)
+            if name in ("level", "viscous"):
+                known[name] = [axis and with_scatter(axis, seen.conditions.regime, seen.shift) for axis in known[name]]
             if name == "viscous":
                 known[name] = [axis and with_missed(axis, seen.conditions.regime, seen.shift) for axis in known[name]]
     return known
