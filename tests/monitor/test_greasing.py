@@ -7,6 +7,7 @@ import pytest
 
 from jointwear.monitor.findings.greasing import GREASED, LASTS, greasing_findings
 from jointwear.monitor.presentation.overnight import rose_overnight
+from jointwear.monitor.presentation.to_answer import asks_for_answer
 
 #: Twelve shifts of four windows, four of them the baseline, of five axes.
 SHIFT = np.repeat(np.arange(12), 4)
@@ -35,6 +36,34 @@ def test_viscous_friction_of_all_axes_that_rose_and_kept_asks_for_the_service():
     assert "by about +30 %" in found["words"]
     assert "was the arm greased?" in found["words"]
     assert told(since(7, -0.05), since(7, 0.1))
+
+
+#: What the weather does to viscous friction, shift by shift, and how much of it the level shows.
+WEATHER, SHOWN = 0.03 * np.array([0, 1, -1, 2, 0, 1, -2, 1, 3, -2, 2, 0]), 0.2
+
+
+def test_new_grease_takes_friction_at_low_speed_down_at_once_and_the_cold_never_does():
+    # Worked soft over days, in a hall that warms up: what is left of the rise is no half of it.
+    soft = WEATHER + since(7, 1.0) * 0.25 * 0.8 ** np.maximum(np.arange(12) - 7, 0)
+    (found,) = told(SHOWN * soft - since(7, 0.06), soft)
+    assert (found["time"], found["axes"], "unsure" in found) == (28 * 3600.0, [1, 2, 3, 4, 5], False)
+    assert "was the arm greased? Thicker grease does that, wear and cold do not." in found["words"]
+    assert asks_for_answer(found)
+    cold = WEATHER + since(7, 0.25)
+    (found,) = told(SHOWN * cold, cold)
+    assert found["unsure"]
+    assert "is the arm colder than in the normal period, or was the arm greased?" in found["words"]
+    assert not asks_for_answer(found)
+    # What sinks bit by bit is running-in, what fell without a rise of viscous friction a gain.
+    assert told(SHOWN * WEATHER - 0.015 * np.maximum(np.arange(12) - 6, 0), WEATHER + since(9, 0.06)) == []
+    assert told(SHOWN * WEATHER - since(7, 0.06), WEATHER) == []
+    # Of two shifts nobody can say how friction goes with the weather.
+    few = np.isin(SHIFT, (2, 3))
+    statistics = SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)))
+    both = watched(SHOWN * soft - since(7, 0.06)), watched(soft)
+    for watch in both:
+        watch.residual[~few & BASELINE] = np.nan
+    assert greasing_findings(statistics, SHIFT, BASELINE, *both, np.ones(5)) == []
 
 
 @pytest.mark.parametrize(

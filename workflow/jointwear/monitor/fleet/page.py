@@ -143,7 +143,7 @@ def _to_check(row: Mapping[str, Any], zone: tzinfo) -> list[tuple[str, bool]]:
     What is over comes last, and of several of a kind the newest alone, with how many there were before.
     """
     open_ones = [f for f in row["findings"] if f["kind"] != BACKLASH and not f.get("answered")]
-    newest = sorted(told_together(open_ones), key=lambda f: (to_do(f["kind"]), is_note(f, row), -(f.get("time") or 0)))
+    newest = sorted(told_together(open_ones), key=lambda f: (to_do(f), is_note(f, row), -(f.get("time") or 0)))
     words = [(_dated(f, row, zone), is_note(f, row)) for f in newest if "end" not in f or lasts(f, row)]
     over: dict[str, list[tuple[str, bool]]] = {}
     for found in newest:

@@ -8,7 +8,7 @@ from typing import Any
 
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
-from jointwear.monitor.presentation.to_answer import AHEAD, ASKING, lasts
+from jointwear.monitor.presentation.to_answer import AHEAD, asks_for_answer, lasts
 from jointwear.monitor.presentation.words import growth_now
 
 #: What a robot can be in, the most urgent first, and the words for it.
@@ -51,7 +51,7 @@ def asks(row: Mapping[str, Any]) -> bool:
     open_ones = [found for found in row["findings"] if not found.get("answered")]
     lasting = any(lasts(found, row) for found in open_ones)
     over = any(axis.get("over") for axis in row["axes"])
-    return lasting or over or any(found["kind"] in ASKING for found in open_ones)
+    return lasting or over or any(asks_for_answer(found) for found in open_ones)
 
 
 def as_of(row: Mapping[str, Any], now: float, stale_after: float = STALE_AFTER_HOURS) -> dict[str, Any]:

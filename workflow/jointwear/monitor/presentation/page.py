@@ -29,7 +29,7 @@ from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.standing import last_judged, rows_left_out, standing
 from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.presentation.temperature import temperature_share
-from jointwear.monitor.presentation.to_answer import ASKING
+from jointwear.monitor.presentation.to_answer import asks_for_answer
 from jointwear.monitor.presentation.words import sure_percent, sure_words, todo
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
@@ -88,7 +88,7 @@ def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[d
             "when": " to ".join(when(state, f[key], zone) for key in ("time", "end") if f.get(key) is not None),
             "axes": name_axes(f.get("axes") or ()),
             "words": f"{with_local_times(f['words'], zone)}{before_words(len(before))}",
-            "asks": f["kind"] in (*ASKING, EARLY_EVENT) and not f.get("answered"),
+            "asks": asks_for_answer(f) or (f["kind"] == EARLY_EVENT and not f.get("answered")),
         }
         for f, *before in alike.values()
     ]

@@ -28,15 +28,21 @@ WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, ST
 TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED)
 
 
+def asks_for_answer(found: Mapping[str, Any]) -> bool:
+    """Return whether somebody has to answer a finding: its kind asks, no event has answered it, and it is none that is
+    `unsure`, of which nobody may have done anything."""
+    return found["kind"] in ASKING and not found.get("answered") and not found.get("unsure")
+
+
 def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
     """Return whether a finding that somebody has to look for is one of the newest hour of the logs of a row."""
     last = math.inf if row["last_sample"] is None else row["last_sample"]
     return found["kind"] in WHILE_IT_LASTS and found.get("end", math.inf) >= last
 
 
-def to_do(kind: str) -> int:
-    """Return the place of a kind of finding: those that ask for an answer, that are to be mended, and all others."""
-    return 0 if kind in ASKING else 1 if kind in WHILE_IT_LASTS else 2
+def to_do(found: Mapping[str, Any]) -> int:
+    """Return the place of a finding: those that ask for an answer, that are to be mended, and all others."""
+    return 0 if asks_for_answer(found) else 1 if found["kind"] in WHILE_IT_LASTS else 2
 
 
 def is_note(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
