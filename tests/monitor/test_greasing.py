@@ -101,3 +101,17 @@ def test_a_step_overnight_that_keeps_is_told_from_what_grows():
     assert not rose_overnight(end[:20], step[:20], 6.5 * day)
     assert not rose_overnight(end, np.full(36, np.nan), 8 * day)
     assert not rose_overnight(end[:0], step[:0], 8 * day)
+
+
+def test_grease_that_is_worked_soft_is_told_by_the_coulomb_friction_that_fell_with_it():
+    day = 86400.0
+    end = day * np.repeat(np.arange(12), 3) + 30000.0
+    soft = np.repeat(since(6, 40.0) * np.maximum(0.8 ** np.arange(-6.0, 6.0), 0.5), 3)
+    noise = np.random.default_rng(0).standard_normal(36)
+    fell = np.repeat(since(6, -3.0), 3) + noise
+    assert rose_overnight(end, soft, 8 * day, fell)
+    assert not rose_overnight(end, soft, 8 * day)
+    assert not rose_overnight(end, soft, 8 * day, noise)
+    assert not rose_overnight(end, soft, 8 * day, np.where(end > 6.5 * day, np.nan, fell))
+    grows = np.repeat(4.0 * np.maximum(np.arange(12) - 5, 0), 3)
+    assert not rose_overnight(end, grows, 8 * day, fell)

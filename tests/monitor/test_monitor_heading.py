@@ -283,10 +283,37 @@ def test_viscous_growth_of_a_cold_spell_reaches_no_limit(monitored):
         assert standing(seen)["axes"][0]["reached"] == reached
 
 
+def test_coulomb_friction_below_normal_beside_viscous_friction_far_above_is_no_friction(monitored):
+    """Backlash of 3.5 mrad was "limit reached", Coulomb -10.4 %, viscous more than +100 %, by an alarm of +28 N m."""
+    folder, _, _ = monitored
+    state = changed(read_state(folder / "state.nc"), "coulomb friction")
+    state = replace(state, hours_to_limit=np.zeros((state.axes, 3)), limited_by=["viscous friction"] * state.axes)
+
+    def first(coulomb, viscous, of=state):
+        seen = with_estimates(of, coulomb_percent=coulomb, viscous_percent=viscous)
+        sure = {"coulomb_percent": np.full(state.axes, 2.0), "viscous_percent": np.full(state.axes, 9.0)}
+        seen = replace(seen, now_error={**seen.now_error, **sure})
+        return next(axis for axis in standing(seen)["axes"] if axis["axis"] == 1)
+
+    for viscous in (40.0, 124.0):
+        play = first(-10.4, viscous)
+        assert (play["reached"], play["hours"]) == (False, None)
+        assert "friction alone does not explain it" in play["check"]
+        assert "play at reversals" in play["check"]
+    for coulomb in (-4.5, 3.0):  # hardly below normal
+        assert first(coulomb, 124.0)["reached"]
+    grease = changed(state, "viscous friction")
+    assert first(-10.4, 40.0, grease)["reached"]
+    assert (
+        "was it greased? Coulomb friction fell meanwhile, as with thicker grease" in first(-10.4, 40.0, grease)["check"]
+    )
+    assert not first(-10.4, 124.0, grease)["reached"]
+
+
 def test_viscous_friction_that_rose_overnight_asks_whether_it_was_greased():
-    assert advice("viscous friction", 0.1, True).startswith("was it greased?")
+    assert advice("viscous friction", 0.1, "It rose overnight").startswith("was it greased? It rose overnight, as")
     assert advice("viscous friction", 0.1).startswith("check level")
-    assert not advice("coulomb friction", 0.1, True).startswith("was it greased?")
+    assert not advice("coulomb friction", 0.1, "It rose overnight").startswith("was it greased?")
 
 
 @pytest.mark.parametrize(("coulomb", "asked"), [(0.2, True), (5.0, False)])

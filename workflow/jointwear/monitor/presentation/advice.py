@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 
-def advice(quantity: str, change: float | None, overnight: bool = False) -> str:
-    """Return what to check when a quantity of an axis changed; `change` None counts as growth, and growth that came
-    `overnight` and has kept since is hardly wear."""
+def advice(quantity: str, change: float | None, greased: str = "") -> str:
+    """Return what to check when a quantity of an axis changed; `change` None counts as growth; `greased`: what viscous
+    friction has of new grease rather than wear, a sentence."""
     grew = change is None or change > 0
     if "backlash" in quantity:
         return (
@@ -13,10 +13,10 @@ def advice(quantity: str, change: float | None, overnight: bool = False) -> str:
             if grew
             else "play became smaller: a gear that was replaced or adjusted; tell it as an event of kind service"
         )
-    if "viscous" in quantity and grew and overnight:
+    if "viscous" in quantity and grew and greased:
         return (
-            "was it greased? It rose overnight and has kept since, as with thicker grease; enter that as a service; if "
-            f"not, {advice(quantity, change)}"
+            f"was it greased? {greased}, as with thicker grease; enter that as a service; if not, "
+            f"{advice(quantity, change)}"
         )
     if "viscous" in quantity:
         return (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -27,12 +27,21 @@ from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reaso
 UNRESOLVED = "unresolved alarm"
 #: What is said of a changed axis whose growth has reached its limit.
 REACHED = "limit reached"
+#: What to check where no friction explains what is told.
+CONTRADICTED = (
+    "friction alone does not explain it, as Coulomb friction is below normal and viscous friction far above: check the "
+    "gear for play at reversals with the flange clamped, belt and coupling, then the load that it carries"
+)
 #: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
 SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 #: Probability of an axis below which it is no likelier than all others together.
 EVEN_ODDS = 0.5
 #: Standard deviations of a growth that is more than chance.
 CLEAR = 2.0
+#: Share of the limit by which Coulomb friction is clearly below normal, as no wear makes it.
+BELOW = 0.25
+#: Growth of viscous friction [%] above which no value is told: there was too little of it before to measure it by.
+MOST_TOLD = 100.0
 #: An axis not judged for longer than this [s] and than this many times its longest pause before is healthy no more.
 UNSEEN, PAUSES = 3 * NOW, 2.0
 #: Why an axis that moves is not judged, where that is no pause: it waits for what is normal to be learnt, or for its
@@ -63,7 +72,8 @@ class AxisCondition:
     newest event that mends it, from which its growth counts; None where there is none. `event`: the newest event after
     which nothing of the axis has been judged yet, None where there is none; its growth is then that of before, up to
     `until` [s], the end of the window that it was judged in last, and NaN elsewhere. `together`: by now all axes have
-    moved together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept.
+    moved together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept, or
+    Coulomb friction fell with it.
     """
 
     axis: int
@@ -116,7 +126,9 @@ class AxisCondition:
             what = "play" if self.main.quantity == BACKLASH else "friction"
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
-        told = advice(self.main.quantity, self.main.newest["change"], self.overnight)
+        told = (
+            CONTRADICTED if self.contradicted else advice(self.main.quantity, self.main.newest["change"], self.greased)
+        )
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
         return told
@@ -141,10 +153,30 @@ class AxisCondition:
         return self.viscous_alarm or bool(beside)
 
     @property
+    def greased(self) -> str:
+        """What an alarm of viscous friction has of new grease, a sentence; empty where it has nothing of it."""
+        if self.overnight:
+            return "It rose overnight and has kept since"
+        return "Coulomb friction fell meanwhile" if self._fell and not self.contradicted else ""
+
+    @property
+    def _fell(self) -> bool:
+        return self.growth < -max(CLEAR * self.growth_std, BELOW * self.limit)
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether a changed axis has Coulomb friction clearly below normal beside viscous friction that is over the
+        limit, though Coulomb friction alarmed, or by more than can be measured: no friction does that."""
+        far = self.viscous > MOST_TOLD or not self.viscous_alarm
+        return (
+            self.level == CHANGED and self._fell and far and self.viscous >= max(self.limit, CLEAR * self.viscous_std)
+        )
+
+    @property
     def reached(self) -> bool:
         """Whether the growth that is told has reached the limit while the axis counts as changed; growth that an event
-        has closed counts no more."""
-        viscous = self.viscous_told and self.viscous >= self.limit
+        has closed, or that is :attr:`contradicted`, counts no more."""
+        viscous = self.viscous_told and self.viscous >= self.limit and not self.contradicted
         return self.level == CHANGED and not self.closed and bool(self.growth >= self.limit or viscous)
 
     @property
@@ -193,7 +225,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         level = UNRESOLVED
     growth, std = latest(state, "coulomb_percent", j)
     viscous, viscous_std = latest(state, "viscous_percent", j)
-    return AxisCondition(
+    found_now = AxisCondition(
         axis=j + 1,
         joint=state.joints[j],
         level=level,
@@ -215,6 +247,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
         overnight=_viscous_overnight(state, j, open_ones) and not growth > CLEAR * std,
     )
+    return replace(found_now, outlook=None) if found_now.contradicted else found_now
 
 
 def _viscous_overnight(state: RobotState, j: int, episodes: Sequence[Episode]) -> bool:
@@ -223,7 +256,8 @@ def _viscous_overnight(state: RobotState, j: int, episodes: Sequence[Episode]) -
     if first is None or "viscous_percent" not in state.estimates:
         return False
     after = slice(state.baseline, None)
-    return rose_overnight(state.end[after], state.estimates["viscous_percent"][0][after, j], first)
+    viscous, coulomb = (state.estimates[name][0][after, j] for name in ("viscous_percent", "coulomb_percent"))
+    return rose_overnight(state.end[after], viscous, first, coulomb)
 
 
 def _last_judged(state: RobotState, j: int) -> tuple[float, float]:
@@ -294,6 +328,6 @@ def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:
 
 
 __all__ = [
-    "CHANGED", "FEWEST_NOW", "HEALTHY", "REACHED", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook",
+    "CHANGED", "FEWEST_NOW", "HEALTHY", "MOST_TOLD", "REACHED", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook",
     "axis_conditions", "latest", "robot_episodes", "urgency",
 ]  # fmt: skip

@@ -12,6 +12,7 @@ from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.condition import (
     CHANGED,
     HEALTHY,
+    MOST_TOLD,
     REACHED,
     UNJUDGED,
     UNRESOLVED,
@@ -30,8 +31,6 @@ NO_BREAK = "\u00a0"
 SURE = 0.99
 #: What a forecast of no hours says: half of all courses that agree with the logs are at the limit, the mean is not.
 MAY_BE_REACHED = "may be reached by now"
-#: Growth of viscous friction [%] above which no value is told: there was too little of it before to measure it by.
-MOST_TOLD = 100.0
 #: Share of the limit below which growth has no bar: it would not be seen.
 LEAST_BAR = 0.02
 
