@@ -310,6 +310,16 @@ def test_coulomb_friction_below_normal_beside_viscous_friction_far_above_is_no_f
     assert not first(-10.4, 124.0, grease)["reached"]
 
 
+def test_the_table_says_of_which_axes_play_cannot_be_judged(monitored):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    state.estimates["backlash"][0][:, 1] = 0.0
+    found = {"time": float(state.start[0]), "axes": [1], "kind": "backlash", "words": "Backlash cannot be judged."}
+    state = replace(state, findings=[found])
+    told = [e["hidden"] for j in (0, 1) for e in axis_summary(state, j)["estimates"]]
+    assert told == ["", "", "cannot be judged", "", "", "", "", ""]
+
+
 def test_viscous_friction_that_rose_overnight_asks_whether_it_was_greased():
     assert advice("viscous friction", 0.1, "It rose overnight").startswith("was it greased? It rose overnight, as")
     assert advice("viscous friction", 0.1).startswith("check level")

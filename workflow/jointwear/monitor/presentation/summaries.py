@@ -123,12 +123,15 @@ def grown_before(state: RobotState, condition: AxisCondition, zone: tzinfo) -> s
 def _latest(state: RobotState, name: str, j: int, before: bool) -> dict[str, Any]:
     """Return an estimate of a 0-based axis for the table; a change `before` its newest event is none of now."""
     words, other = COLUMNS[name]
+    hidden = name == BACKLASH and any(f["kind"] == BACKLASH and j + 1 in f["axes"] for f in state.findings)
     value, std = (math.nan, math.nan) if before and name != "friction" else latest(state, name, j)
     found = {
         "name": words,
         "unit": state.estimates[name][2],
         "change": name != "friction",
         "value": finite(value),
+        # Beside "healthy" a dash would be taken for no play; why stands among what else was found.
+        "hidden": "cannot be judged" if hidden else "",
         "std": finite(std),
         "below": None,
     }
