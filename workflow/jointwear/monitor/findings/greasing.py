@@ -78,9 +78,7 @@ def greasing_findings(
 
 
 def _words(axes: list[int], size: str, unsure: bool) -> str:
-    risen = (
-        f"Viscous friction of {name_axes(axes)} has risen together, by about {size} %, and has kept, while friction "
-    )
+    risen = f"Viscous friction of {name_axes(axes)} has risen together, by about {size} %, and has kept, while friction"
     if not unsure:
         return (
             f"{risen} at low speed fell with it: was the arm greased? Thicker grease does that, wear and cold do not. "
