@@ -1,10 +1,16 @@
 """When growth reaches its limit, from the means of shifts."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.watching.shift_forecast import TOLD, forecast_shifts
+from jointwear.monitor.findings.still_growth import STANDSTILL, standstill_findings
+from jointwear.monitor.presentation.to_answer import asks_for_answer
+from jointwear.monitor.watching.shift_forecast import STANDS, TOLD, forecast_shifts
+from jointwear.monitor.watching.standstill import Standstill, standstill
 
 
 @settings(max_examples=20, deadline=None)
@@ -41,3 +47,55 @@ def test_growth_on_its_way_has_an_end_and_growth_at_rest_has_none():
     assert np.isfinite(told.high)
     assert open_ended.low > told.low
     assert not np.isfinite(open_ended.high)
+
+
+def still(days, stop, daily=0.01, scatter=0.002, seed=0):
+    """Growth that goes on to a day and stands still from there on, and what is told of it."""
+    time = 24.0 * np.arange(1, days + 1)
+    noise = scatter * np.random.default_rng(seed).standard_normal(days)
+    growth = daily * np.minimum(np.arange(1, days + 1), stop) + noise
+    kept = {"shared": 1e-3, "start": 0.0, "now": float(time[-1])}
+    given = time, growth, np.full(days, scatter**2), 0.2
+    return standstill(*given, **kept), forecast_shifts(*given, **kept)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_growth_that_has_stopped_is_told_since_when_and_has_no_date(seed):
+    found, told = still(20, 13, seed=seed)
+    assert found.probability > STANDS
+    assert found.since / 24 == pytest.approx(13, abs=2.5)
+    assert (told.still, told.hours, told.high) == (found.since, np.inf, np.inf)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_growth_that_goes_on_stands_not_still(seed):
+    found, told = still(13, 13, seed=seed)
+    assert found.probability < 0.05
+    assert np.isnan(told.still)
+    assert np.isfinite(told.high)
+
+
+def test_a_standstill_at_the_limit_is_no_standstill_below_it():
+    found, told = still(35, 26)
+    assert found.probability < 0.1
+    assert (told.hours, told.low) == (0.0, 0.0)
+
+
+def test_a_standstill_takes_some_shifts_and_no_scatter_but_their_own():
+    assert still(14, 13)[0].probability < 0.1
+    # A factor in what is stated of the scatter changes nothing: it is learnt from the shifts.
+    time, growth = 24.0 * np.arange(1, 21), 0.01 * np.minimum(np.arange(1, 21), 13)
+    growth = growth + 0.004 * np.random.default_rng(1).standard_normal(20)
+    kept = {"shared": 1e-3, "start": 0.0, "now": 480.0}
+    small, large = (standstill(time, growth, np.full(20, s**2), 0.2, **kept) for s in (0.002, 0.008))
+    assert small.probability == pytest.approx(large.probability, abs=0.15)
+    assert standstill(time[:4], growth[:4], np.full(4, 1e-6), 0.2, **kept | {"now": 96.0}) == Standstill()
+    assert still(300, 200, daily=0.0005)[0].probability > 0.9
+
+
+def test_the_page_is_told_of_a_standstill():
+    statistics = SimpleNamespace(dated=True)
+    (found,) = standstill_findings(statistics, np.array([np.nan, 1.7956e9]), ["", "coulomb friction"])
+    assert (found["kind"], found["axes"], found["time"]) == (STANDSTILL, [2], 1.7956e9)
+    assert found["words"].startswith("Growth of the Coulomb friction of axis 2 has stood still since about 2026-11-25T")
+    assert not asks_for_answer(found)

@@ -66,3 +66,11 @@ def test_times_are_local_and_say_so():
     assert local_time(1_774_742_400.0, berlin) == "2026-03-29 01:00 CET"
     with pytest.raises(InputError, match="did you mean 'Europe/Berlin'"):
         zone_of("Europe/Berln")
+
+
+def test_a_forecast_that_is_open_at_both_ends_is_dated_as_from_no_day():
+    row = {"dated": True, "last_sample": 0.0}
+    for middle in (50.0, None):
+        told = outlook_words(row, {"hours": [middle, 0.0, None], "reached": False}, zone_of(None))
+        assert told == "limit may be reached by now, or never"
+    assert "not before" in outlook_words(row, {"hours": [None, 30.0, None], "reached": False}, zone_of(None))

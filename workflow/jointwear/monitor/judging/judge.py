@@ -20,6 +20,7 @@ from jointwear.monitor.findings.greasing import greasing_findings
 from jointwear.monitor.findings.odd_motion import odd_motion_findings
 from jointwear.monitor.findings.read_findings import driving_findings, reading_findings
 from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings, missed_findings
+from jointwear.monitor.findings.still_growth import standstill_findings
 from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.judging.observed import Observed, observe
 from jointwear.monitor.judging.open_alarms import grown_before_findings, open_alarm_findings
@@ -137,7 +138,7 @@ def judge(
     estimates, std, now_error = _estimates(level, viscous, teller.grown, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
-    hours, limited_by = teller.hours_to_limit()
+    hours, limited_by, still = teller.hours_to_limit()
     status = raised_status(teller.status, backlash, CHANGED)
     return Judgement(
         estimates=estimates,
@@ -156,6 +157,7 @@ def judge(
             *_findings(statistics, seen, friction, viscous, teller, limit, logs),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
             *grown_before_findings(statistics, level),
+            *standstill_findings(statistics, still, limited_by),
         ],
     )
 

@@ -180,6 +180,9 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
 
     if low is None:
         return f"no {limit} in sight"
+    if high is None and low == 0:
+        # Half a sentence on its lower end would date it as from today.
+        return f"{limit} may be reached by now, or never"
     if middle is None or high is None:
         return f"{limit} not before {at(low)}" if row["dated"] else f"{limit} not within {at(low)}"
     return f"{limit} {'around' if row['dated'] else 'in'} {at(middle)} ({at(low)} to {at(high)})"

@@ -220,13 +220,14 @@ class Teller:
             result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
         return result
 
-    def hours_to_limit(self) -> tuple[np.ndarray, list[str]]:
-        """Return the forecasts (n, 3) of the changed axes at their last judged window, and the quantity of each limit.
+    def hours_to_limit(self) -> tuple[np.ndarray, list[str], np.ndarray]:
+        """Return the forecasts (n, 3) of the changed axes at their last judged window, the quantity of each limit, and
+        since when (n,) [s] its growth stands still, NaN where it hardly does.
 
         None where growth cannot be told from zero by now: a date would be one of chance.
         """
         n = self.status.shape[1]
-        result, quantities = np.full((n, 3), np.nan), [""] * n
+        result, quantities, still = np.full((n, 3), np.nan), [""] * n, np.full(n, np.nan)
         for j in range(n):
             known = np.flatnonzero(np.isfinite(self._level.residual[:, j]))
             if len(known) and self.status[known[-1], j] == CHANGED:
@@ -234,7 +235,8 @@ class Teller:
                 name = self._parts(told[-1], j)[0] if len(told) else COULOMB
                 quantity, found = self._limits.forecast(int(known[-1]), j, name, now=True)
                 result[j], quantities[j] = (found.hours, found.low, found.high), quantity
-        return result, quantities
+                still[j] = 3600 * found.still
+        return result, quantities, still
 
 
 def evidence(level: Watch) -> tuple[np.ndarray, np.ndarray]:
