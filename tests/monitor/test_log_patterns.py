@@ -9,6 +9,7 @@ import pytest
 from jointwear.files import patterns
 from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
+from jointwear.measurement.log_kinds import log_format
 from jointwear.monitor.days_in_names import days_of
 from jointwear.monitor.order_of_logs import in_order
 from jointwear.monitor.plan import (
@@ -17,6 +18,7 @@ from jointwear.monitor.plan import (
     find_all_logs,
     find_logs,
     programs_without_logs,
+    readable_files,
     window_seconds,
 )
 
@@ -287,3 +289,68 @@ def test_logs_that_are_yet_to_be_fetched_are_compared_by_their_path():
     config = {"monitor": {"robots": {name: {"robot": "arm.yaml"} for name in logs}}}
     with pytest.raises(InputError, match="holds the logs of 'one'"):
         check_shared_logs(logs, config)
+
+
+def forbid(monkeypatch, name):
+    """Let the system forbid to look at, list or read what has a name; root, who runs tests too, may do all of it."""
+    stat, access, scandir = os.stat, os.access, os.scandir
+
+    def forbidden(path):
+        return name in Path(os.fsdecode(path)).parts
+
+    def guarded(of):
+        def asked(path=".", *more, **named):
+            if isinstance(path, (str, bytes, os.PathLike)) and forbidden(path):
+                raise PermissionError(13, "Permission denied", str(path))
+            return of(path, *more, **named)
+
+        return asked
+
+    monkeypatch.setattr(os, "stat", guarded(stat))
+    monkeypatch.setattr(os, "scandir", guarded(scandir))
+    monkeypatch.setattr(os, "listdir", guarded(os.listdir))
+    monkeypatch.setattr(os, "access", lambda path, *more, **named: not forbidden(path) and access(path, *more, **named))
+
+
+def test_a_folder_that_may_not_be_looked_at_stops_no_other_robot(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for folder in ("open", "locked"):
+        Path(folder).mkdir()
+        Path(folder, "day_1.csv").touch()
+    forbid(monkeypatch, "locked")
+    robots = {"arm": {"logs": ["open/*"]}, "other": {"logs": ["locked/*"]}}
+    assert log_format("locked/*") is None
+    assert log_format("locked/day_1.csv") == "csv"
+    logs, silent = find_all_logs({"monitor": {"robots": robots}})
+    assert logs == {"arm": ["open/day_1.csv"], "other": []}
+    assert list(silent) == ["other"]
+    assert silent["other"].endswith("holds 'locked/*': Permission denied")
+
+
+def test_a_log_that_may_not_be_read_is_no_input_of_a_job(tmp_path, monkeypatch):
+    """Snakemake notes the sum of every input and fails on one that it cannot open; the reader refuses it alone."""
+    monkeypatch.chdir(tmp_path)
+    Path("bag").mkdir()
+    for name in ("day_1.csv", "day_2.csv", "bag/metadata.yaml", "bag/part.mcap"):
+        Path(name).touch()
+    forbid(monkeypatch, "day_2.csv")
+    assert in_order(["day_2.csv", "day_1.csv"]) == ["day_1.csv", "day_2.csv"]
+    logs = ["day_1.csv", "day_2.csv", "yet_to_be_fetched.csv", "bag"]
+    assert readable_files(logs) == ["day_1.csv", "yet_to_be_fetched.csv", "bag/metadata.yaml", "bag/part.mcap"]
+
+
+def test_a_log_whose_name_is_not_utf_8_is_told_and_the_others_go_on(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in (b"day_1.csv", b"day_2_\xe9.csv", "tag_ü.csv".encode(), b"\xff.txt"):
+        Path(os.fsdecode(name)).touch()
+    logs, silent = find_all_logs({"monitor": {"robots": {"arm": {"logs": ["*"]}, "sound": {"logs": ["tag*"]}}}})
+    assert logs == {"arm": ["day_1.csv", "tag_ü.csv"], "sound": ["tag_ü.csv"]}
+    assert list(silent) == ["arm"]
+    assert r"matches 1 log, as 'day_2_\xe9.csv', whose name is not UTF-8, so that it cannot be" in silent["arm"]
+    silent["arm"].encode()
+    with pytest.raises(InputError, match=r"'day_2_\\xe9\.csv': its name is not UTF-8; rename it"):
+        find_logs(["day_2*"])
+    with pytest.raises(InputError, match=r"'\\xff\.txt': no kind of log"):
+        find_logs(["*.txt"])
+    with pytest.raises(InputError, match=r"matches no file; did you mean 'day_1\.csv'"):
+        find_logs(["day_3.csv"])

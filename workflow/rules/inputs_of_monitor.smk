@@ -13,8 +13,9 @@ from jointwear.monitor.plan import (
     check_shared_logs,
     find_all_logs,
     find_logs,
-    log_sources,
+    may_be_read,
     programs_without_logs,
+    readable_files,
 )
 from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
@@ -32,8 +33,9 @@ except InputError as error:
 if workflow.is_main_process:
     for reason in SHARED_LOGS:
         print(told(reason), file=sys.stderr)
-    for reason in SILENT.values():
-        print(f"{told(reason)}; the other robots go on", file=sys.stderr)
+    for name, reason in SILENT.items():
+        others = "logs" if FOUND_LOGS[name] else "robots"
+        print(f"{told(reason)}; the other {others} go on", file=sys.stderr)
     for name, entry in config["monitor"]["robots"].items():
         if reason := learnt_of_other(name, entry):
             print(f"jointwear: {reason}", file=sys.stderr)
@@ -128,8 +130,9 @@ def monitored_model(wildcards):
 
 
 def first_log(wildcards):
-    """The log that the survey of a robot rests on."""
+    """The log that the survey of a robot rests on; one that may not be read is passed over while there are others."""
     logs = [log for batch in logs_of(wildcards.monitored).values() for log in batch]
+    logs = [log for log in logs if may_be_read(log)] or logs
     return surveyed_log(
         f"results/monitor/{wildcards.monitored}/survey.json",
         logs,
@@ -144,8 +147,8 @@ def batch_logs(wildcards):
 
 
 def batch_files(wildcards):
-    """Files of the logs of one batch."""
-    return [path for log in batch_logs(wildcards) for path in log_sources(log)]
+    """Files of the logs of one batch that may be read."""
+    return readable_files(batch_logs(wildcards))
 
 
 def window_files(wildcards):

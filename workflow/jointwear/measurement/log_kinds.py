@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 FORMATS = {
@@ -25,14 +26,17 @@ def unpacked(path: str | Path) -> str:
 def is_folder_like_log(path: str | Path) -> bool:
     """Return whether a path is a folder with the name of a log, and no bag: a table that was written in parts, say."""
     path = Path(path)
-    return path.is_dir() and log_format(path) is None and _kind_of(path.name) is not None
+    return os.path.isdir(path) and log_format(path) is None and _kind_of(path.name) is not None
 
 
 def log_format(path: str | Path) -> str | None:
-    """Return the format of a log by its name, or None; a folder with a metadata.yaml is a bag."""
+    """Return the format of a log by its name, or None; a folder with a metadata.yaml is a bag.
+
+    Of a path that may not be looked at the name alone tells: whoever reads it says that it cannot be read.
+    """
     path = Path(path)
-    if path.is_dir():
-        return "bag" if (path / "metadata.yaml").is_file() else None
+    if os.path.isdir(path):
+        return "bag" if os.path.isfile(path / "metadata.yaml") else None
     return _kind_of(path.name)
 
 

@@ -5,6 +5,7 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -20,7 +21,7 @@ def in_order(logs: Iterable[str]) -> list[str]:
     the twelfth tells which of the two others is the month.
     """
     logs = set(logs)
-    bags = {Path(m) for m in logs if Path(m).is_dir()}
+    bags = {Path(m) for m in logs if os.path.isdir(m)}
     sortable = year_first(logs)
 
     def place(log: str) -> tuple[list[Any], str]:

@@ -47,6 +47,8 @@ SHORTEST, LONGEST = 1.0, 3650 * 86400.0
 #: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
 ZONES = 14 * 3600.0
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+#: What is said of a log whose name is in another encoding, and the mend.
+_NO_UTF8 = "whose name is not UTF-8, so that it cannot be read; rename it"
 #: Units as people write them, without the s of the plural: (how many, of which unit). Not "m", which may be a month.
 _SAID = {
     "sec": (1, "s"), "second": (1, "s"), "minute": (1, "min"), "min": (1, "min"), "h": (1, "h"), "hr": (1, "h"),
@@ -89,9 +91,26 @@ def _meant(text: str) -> str:
 def log_sources(path: str | Path) -> list[str]:
     """Return the files that one log is made of: itself, or the files of a bag's folder."""
     path = Path(path)
-    if path.is_dir():
-        return sorted(p.as_posix() for p in path.iterdir() if p.is_file())
+    if os.path.isdir(path) and os.access(path, os.R_OK | os.X_OK):
+        return sorted(p.as_posix() for p in path.iterdir() if os.path.isfile(p))
     return [str(path)]
+
+
+def may_be_read(path: str | Path) -> bool:
+    """Return whether nothing forbids to read a file or folder; of one that is not there, or not yet, nothing does."""
+    try:
+        os.stat(path)
+    except PermissionError:
+        return False
+    except OSError:
+        return True
+    return os.access(path, os.R_OK)
+
+
+def readable_files(logs: Iterable[str]) -> list[str]:
+    """Return the files of logs that may be read: Snakemake fails on another one, of which the reader tells why it is
+    refused."""
+    return [path for log in logs for path in log_sources(log) if may_be_read(path)]
 
 
 def _folder(pattern: str) -> Path:
@@ -117,19 +136,25 @@ def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
     matching = matches(pattern)
     if not matching:
         folder = _folder(pattern)
-        there = [p.name for p in folder.iterdir()] if folder.is_dir() else []
+        there = [p.name for p in folder.iterdir() if not _misnamed(p)] if folder.is_dir() else []
         hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
         raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
     holds = f"config: '{where}' holds '{pattern}', which matches"
     root = os.path.realpath(_folder(pattern))
+    foreign = {m: word for m in matching if (word := _misnamed(m))}
+    misnamed = [word for m, word in foreign.items() if log_format(m)]
+    matching = [m for m in matching if m not in foreign]
     links = {m: fault for m in matching if log_format(m) and (fault := broken_link(m))}
     known = [m for m in matching if log_format(m) and m not in links]
     packed = [m for m in matching if unpacked(m)]
     folders = [m for m in matching if is_folder_like_log(m)]
     if not known:
         allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
-        match, what = (packed or matching)[0], "is packed; unpack it" if packed else "no kind of log"
-        if not packed and links:
+        match = (packed or matching or list(foreign.values()))[0]
+        what = "is packed; unpack it" if packed else "no kind of log"
+        if not packed and misnamed:
+            match, what = misnamed[0], "its name is not UTF-8; rename it"
+        elif not packed and links:
             match, what = next(iter(links.items()))
         elif not packed and folders:
             match, what = folders[0], f"is a folder; name the files in it, as '{folders[0]}/*'"
@@ -141,6 +166,8 @@ def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
                 "name the folder that it is in"
             )
     unread = [f"{holds} '{match}', which is {fault}" for match, fault in links.items()]
+    if misnamed:
+        unread.append(f"{holds} {count(len(misnamed), 'log')}, as '{misnamed[0]}', {_NO_UTF8}")
     if left := sorted(set(packed) - {m for m in packed if unpacked(m) in known}):
         unread.append(
             f"{holds} {count(len(left), 'packed log')}, as '{left[0]}', which cannot be read; unpack what was not read "
@@ -153,6 +180,17 @@ def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
             f"the files in it, as '{left[0]}/*'"
         )
     return known, unread
+
+
+def _misnamed(path: str | Path) -> str:
+    """Return a path whose name is not UTF-8 as a message shows it, empty for all others: no table or record can hold
+    such a name."""
+    name = os.fsencode(path)
+    try:
+        name.decode()
+    except UnicodeDecodeError:
+        return name.decode(errors="backslashreplace")
+    return ""
 
 
 def log_key(path: str) -> str:
