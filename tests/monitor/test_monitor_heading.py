@@ -161,6 +161,34 @@ def test_an_axis_whose_last_window_is_not_judged_stays_changed(monitored):
     assert named["axes_changed"] == blind["axes_changed"]
 
 
+def test_the_dates_of_refused_logs_are_neither_the_newest_sample_nor_a_rhythm(monitored):
+    """A log that is ten years ahead had kept its robot from ever being stale."""
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    half, years = len(state.start) // 2, 10 * 365 * 86400.0
+    first = np.array([state.start[0], state.start[0] + years, state.start[0] - years, state.start[half]])
+    last = np.array([state.end[half - 1], state.end[0] + years, state.end[0] - years, state.end[-1]]) - 1.0
+    log = {
+        "logs": ["a.csv", "ahead.csv", "behind.csv", "b.csv"], "refused": ["", "dated off", "dated off", ""],
+        "copy_of": [""] * 4, "first": first, "last": last,
+    }  # fmt: skip
+    state = replace(state, **log, flags=np.zeros_like(state.flags))
+    row = standing(state)
+    assert row["last_sample"] == last[3]
+    assert row["rhythm_hours"] == pytest.approx((first[3] - first[0]) / 3600)
+    assert as_of({**NOTHING, "robot": "x", "result": "judged", **row}, last[3] + 73 * 3600)["stale"]
+    # Nor does a log of which all samples contradict the model tell when the newest one was measured.
+    begun = (state.start >= first[3])[:, None] & np.ones(state.axes, dtype=bool)
+    refused = replace(
+        state,
+        flags=np.where(begun, int(Flag.REFUSED), 0),
+        count=np.where(begun, 0, state.count),
+        refused=["", "", "", "turned"],
+    )
+    assert standing(refused)["last_sample"] == last[0]
+    assert standing(replace(refused, count=state.count))["last_sample"] == last[3]
+
+
 def test_newest_logs_without_any_sample_are_not_healthy(monitored):
     """They have no time of their own; where they stand in the list tells that they are the newest."""
     folder, _, _ = monitored

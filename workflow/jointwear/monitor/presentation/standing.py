@@ -82,6 +82,7 @@ def standing(state: RobotState) -> dict[str, Any]:
     first = urgency(conditions)
     ordered = first + [c for c in conditions if c not in first]
     unjudged = state.status == UNJUDGED
+    taken = accepted(state)
     whole, part = robot_episodes(state), rows_left_out(state)
     episodes = [e for c in ordered for e in c.episodes] + [e for e in whole if e.resolved is None]
     closed = [e for c in ordered for e in c.past] + [e for e in whole if e.resolved is not None]
@@ -99,8 +100,8 @@ def standing(state: RobotState) -> dict[str, Any]:
         "refused_newest": refused_newest(state),
         "unfinished": unfinished(state),
         "last_judged": None if last_judged(state) is None else float(state.end[last_judged(state)]),
-        "last_sample": float(np.nanmax(state.last)),
-        "rhythm_hours": rhythm_hours(state.first),
+        "last_sample": float(np.nanmax(state.last[taken] if taken.any() else state.last)),
+        "rhythm_hours": rhythm_hours(state.first[taken]),
         "dated": state.dated,
         "axes": [axis_row(c) for c in ordered],
         "episodes": [episode_row(e, conditions) for e in episodes],
@@ -108,6 +109,16 @@ def standing(state: RobotState) -> dict[str, Any]:
         "findings": as_json(state.findings),
         "refusals": [told for told, few in zip(state.refused, part, strict=True) if told and not few][-TOLD_REFUSALS:],
     }
+
+
+def accepted(state: RobotState) -> np.ndarray:
+    """Return which logs hold samples that were taken, (logs,) bool: a refused one, whose dates may be those of a wrong
+    clock, says neither when the newest sample was measured nor how often a log comes."""
+    refused = (state.flags & int(Flag.REFUSED)).any(axis=1) & ~state.count.any(axis=1)
+    taken = np.concatenate([[0], np.cumsum(~refused)])
+    begin = np.searchsorted(state.end, state.first, side="right")
+    end = np.searchsorted(state.start, state.last, side="right")
+    return np.isfinite(state.first) & (taken[np.maximum(begin, end)] > taken[begin])
 
 
 def last_judged(state: RobotState) -> int | None:
