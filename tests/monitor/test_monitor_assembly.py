@@ -118,6 +118,22 @@ def refused(logs: list[Piece], zone: str | None = None) -> list[int]:
     return [k for k, p in enumerate(assemble(logs, zone).pieces) if p.refused]
 
 
+@pytest.mark.parametrize("count", [3, 5, 8])
+@pytest.mark.parametrize("off", [3653 * DAY, -3653 * DAY])
+def test_among_few_logs_the_days_in_their_names_tell_which_one_is_dated_years_off(count, off):
+    """The fourth of five days, dated ten years ahead, had been the state of now."""
+    wrong = count - 2
+    named = days(16, wrong, off, count, "arm_2026-06-{day:02d}.csv")
+    assert refused(named) == [wrong]
+    assert f"days {'after' if off > 0 else 'before'} those of" in assemble(named).pieces[wrong].refused[0]
+    # All as many days off say the same; names that do not fit their dates say nothing.
+    assert refused(days(16, wrong, off, count, "arm_2026-07-{day:02d}.csv")) == [wrong]
+    mixed = [replace(p, log=p.log.replace("06-01", "05-01")) for p in named]
+    assert refused(mixed) == ([wrong] if count == 8 else [])
+    # Without days in the names, few logs are in order by chance.
+    assert refused(days(16, wrong, off, count)) == ([wrong] if count == 8 else [])
+
+
 @pytest.mark.parametrize("name", ["log_{k:02d}.csv", "2026-06-{day:02d}.csv", "r4_202606{day:02d}0600.csv"])
 @pytest.mark.parametrize(("hours", "off"), [(9, DAY), (16, DAY), (9, -DAY), (16, -DAY), (23.9, 5 * 3600)])
 def test_of_two_days_of_one_date_the_wrong_one_is_refused(name, hours, off):

@@ -62,7 +62,7 @@ def assemble(pieces: Sequence[Piece], time_zone: str | None = None) -> History:
     seen: dict[tuple, str] = {}
     keys = [fingerprint(piece) for piece in pieces]
     among = _overlaps(pieces, keys)
-    astray = _misdated(pieces, keys) | _wrong_of_two(pieces, keys, among, zone)
+    astray = _misdated(pieces, keys, zone) | _wrong_of_two(pieces, keys, among, zone)
     wrong = {keys[k]: pieces[k].log for k in astray}
     astray |= {
         k: f"{piece.log}: holds the samples of {wrong[key]}, whose dates are wrong; leave it out"
@@ -194,7 +194,7 @@ def _overlaps(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int
     return found
 
 
-def _misdated(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int, str]:
+def _misdated(pieces: Sequence[Piece], keys: Sequence[tuple | None], zone: tzinfo) -> dict[int, str]:
     """Return in words, by its place among `pieces`, what is wrong with the dates of every log that is misdated."""
     first = np.full(len(pieces), np.nan)
     known: set[tuple] = set()
@@ -203,7 +203,7 @@ def _misdated(pieces: Sequence[Piece], keys: Sequence[tuple | None]) -> dict[int
             known.add(key)
             first[k] = piece.first
     found = {}
-    for k, (before, after) in misdated(first).items():
+    for k, (before, after) in misdated(first, [p.log for p in pieces], zone).items():
         days = min((first[k] - first[before], first[k] - first[after]), key=abs) / 86400
         found[k] = (
             f"{pieces[k].log}: its dates lie {abs(days):.0f} days {'after' if days > 0 else 'before'} those of "

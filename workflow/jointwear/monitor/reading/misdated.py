@@ -13,28 +13,40 @@ from jointwear.monitor.days_in_names import days_of
 PAUSE = 90 * 86400.0
 #: Fewest logs in order of time by name that say that names follow time: by chance one order in 120 does.
 FEWEST = 5
+#: Fewest that do where each begins on the day that its name holds: one before and one after.
+FEWEST_NAMED = 2
 #: A day, and what times differ by in writing alone [s].
 DAY, ROUND_OFF = 86400.0, 1e-3
 
 
-def misdated(first: np.ndarray) -> dict[int, tuple[int, int]]:
+def misdated(first: np.ndarray, logs: Sequence[str], zone: tzinfo) -> dict[int, tuple[int, int]]:
     """Return every log that is dated :data:`PAUSE` and more off while the logs before and after it by name are not,
     with the nearest ones of these.
 
     Names tell only where all other logs, more than half and at least :data:`FEWEST`, follow each other in time as they
-    do by name. A clock that is wrong from some log on is none of this: nobody knows which of the two dates is right.
+    do by name; two are enough where all begin on the days that their names hold, or as many days off them, and the one
+    that is off does not. A clock that is wrong from some log on is none of this: nobody knows which of the two dates is
+    right.
 
     Parameters
     ----------
     first : (p,) times of the first samples [s] in order of the names; NaN of logs that take no part.
+    logs : (p,) names. zone : of the days in the names.
     """
     order = np.argsort(first, kind="stable")[: int(np.isfinite(first).sum())]
     groups = np.split(order, np.flatnonzero(np.diff(first[order]) > PAUSE) + 1)
     others = np.sort(max(groups, key=len))
-    if len(others) < FEWEST or 2 * len(others) <= len(order) or np.any(np.diff(first[others]) < 0):
+    if len(others) < FEWEST_NAMED or 2 * len(others) <= len(order) or np.any(np.diff(first[others]) < 0):
         return {}
+    astray = np.setdiff1d(order, others).tolist()
+    if len(others) < FEWEST:
+        off = np.array([_days_off(day, time, zone) for day, time in zip(days_of(logs), first, strict=True)])
+        usual = off[others]
+        if not np.ptp(usual) <= 1:
+            return {}
+        astray = [k for k in astray if off[k] < usual.min() or off[k] > usual.max()]
     found = {}
-    for k in np.setdiff1d(order, others).tolist():
+    for k in astray:
         next_one = int(np.searchsorted(others, k))
         if 0 < next_one < len(others):
             found[k] = (int(others[next_one - 1]), int(others[next_one]))
