@@ -91,6 +91,24 @@ def test_a_flipped_axis_is_told_though_the_model_fits_the_others_better_than_in_
     assert "the sign of the torque of joint 2 looks flipped" in refused
 
 
+@pytest.mark.parametrize(
+    ("roles", "told", "key"),
+    [
+        (["torque"], "sign of the torque of", "give 'scale' with -1 for each"),
+        (["position"], "sign of the position of", "give 'sign' and 'scale' with -1 for each"),
+        (["position", "torque"], "sign of", "give 'sign' with -1 for each"),
+    ],
+)
+def test_a_later_log_in_which_every_joint_is_turned_is_refused(tmp_path, good, roles, told, key):
+    log = make_log(48.0, seed=12)
+    turned = {role: -getattr(log, role) for role in roles}
+    found = read(write_parquet(tmp_path / "log.parquet", columns(replace(log, **turned))), good)
+    (refused,) = found.refused
+    assert f"the {told} joints 1, 2, 3, 4, 5 and 6 looks flipped against the first log" in refused
+    assert key in refused
+    assert (found.statistics.count == 0).all()
+
+
 @pytest.mark.parametrize("axes", [slice(2, 3), slice(None)])
 @pytest.mark.parametrize("factor", [0.74, 1.05, 1.15, 1.3])
 def test_a_gain_is_no_other_unit(tmp_path, good, axes, factor):

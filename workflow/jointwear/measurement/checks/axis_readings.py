@@ -43,7 +43,7 @@ ROUNDS = 8
 @dataclass(frozen=True)
 class Reading:
     """One way to read a recording: "swap" two axes, their "torques" or their "positions" alone, "flip" one or more,
-    turn the "torque" of one or more or the "position" of one alone around, take it as of the "motor", add an angle
+    turn the "torque" or the "position" of one or more around, take it as of the "motor", add an angle
     [rad] to its position, that is count it from another "zero", take off that of the joint before it, times a factor,
     that is count it from the "base", multiply it by a factor, that is take it in another "unit", or divide the torques
     of some by a factor each, that is take them in another "scale".
@@ -91,7 +91,8 @@ class Reading:
             "order under 'variables'",
             "flip": f"turn the sign of position and torque of {self._joints}: give 'sign' with -1 for {self._them}",
             "torque": f"turn the sign of the torque of {self._joints}: give 'scale' with -1 for {self._them}",
-            "position": f"turn the sign of the position of {self._joints}: give 'sign' and 'scale' with -1 for it",
+            "position": f"turn the sign of the position of {self._joints}: give 'sign' and 'scale' with -1 "
+            f"for {self._them}",
             "motor": "multiply the torque by the gear ratio: give it as 'scale' for each joint",
             "zero": f"add {self._degrees} deg to the position of {self._joints}, or {self.angle:.5g} rad to its "
             "'offset' in the robot file",
@@ -129,7 +130,7 @@ class Reading:
     @property
     def several(self) -> bool:
         """Whether more joints than one are turned around, each for itself."""
-        return self.kind in ("flip", "torque") and len(self.axes) > 1
+        return self.kind in ("flip", "torque", "position") and len(self.axes) > 1
 
     @property
     def _them(self) -> str:
@@ -168,10 +169,11 @@ class Reading:
         if self.kind == "torque":
             turned[:, 3, list(self.axes)] *= -1.0
             return turned, usable
-        (axis,) = self.axes
         if self.kind == "position":
-            turned[:, :3, axis] *= -1.0
-        elif self.kind == "zero":
+            turned[:, :3, list(self.axes)] *= -1.0
+            return turned, usable
+        (axis,) = self.axes
+        if self.kind == "zero":
             turned[:, 0, axis] += self.angle
         elif self.kind == "base":
             turned[:, :3, axis] -= self.factors[0] * parts[:, :3, axis - 1]
@@ -205,6 +207,13 @@ def readings(robot: Robot) -> Iterator[Reading]:
         if abs(axes[axis - 1] @ axes[axis]) > PARALLEL:
             for sign in (1.0, -1.0):
                 yield Reading("base", (axis,), factors=(sign,))
+
+
+def all_turned(robot: Robot) -> Iterator[Reading]:
+    """Yield the readings that turn the torques of all joints around, their positions, or both, as an export with
+    another convention does."""
+    for kind in ("torque", "position", "flip"):
+        yield Reading(kind, tuple(range(robot.joints)))
 
 
 def units_of_one(robot: Robot, position: np.ndarray) -> Iterator[Reading]:

@@ -37,7 +37,7 @@ class Inspector:
         """Return flags (m, n) of a block, of which only `kept` is looked at: in parts where something is wrong."""
         self._check.begin()
         marks = self._look(around, motion, [kept.start, kept.stop])
-        if not marks.any() or kept.stop - kept.start < PARTS * SMALLEST_PART:
+        if not marks.any() or self._check.everywhere or kept.stop - kept.start < PARTS * SMALLEST_PART:
             return marks
         edges = np.linspace(kept.start, kept.stop, PARTS + 1).astype(int).tolist()
         closer = self._look(around, motion, edges, cache(partial(self._relieved, around, motion, kept)))

@@ -12,12 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 
 import numpy as np
 
 from jointwear.files.wording import significant
 from jointwear.measurement.checks.axes_check import explained, explained_otherwise, favours
-from jointwear.measurement.checks.axis_readings import Likelihood, Reading
+from jointwear.measurement.checks.axis_readings import Likelihood, Reading, all_turned
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
@@ -92,13 +93,18 @@ class LaterCheck:
         self._last: np.ndarray | None = None
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
-        self._held = False
+        self._held = self._everywhere = False
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
         """Begin another block: another scale of the torque that was found, and one that is held, are looked for in its
         parts alone."""
-        self._refusal, self._held = None, False
+        self._refusal, self._held, self._everywhere = None, False, False
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether all joints of the block are turned around: so are its parts in which too little moves to show it."""
+        return self._everywhere
 
     def accept(self) -> None:
         """Take what the last piece left for granted, so that pieces like it are not examined again."""
@@ -166,6 +172,7 @@ class LaterCheck:
             return self._marks() | nothing
         reading = self._read_otherwise(parts, usable, plain)
         if reading is not None and self._is_likelier(reading, parts, usable):
+            self._everywhere |= whole and reading.several
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
         self._check_scale(measured, samples, plain, lightened)
         if whole:
@@ -391,9 +398,10 @@ class LaterCheck:
 
         # A reading that does not mend a part of the samples mends no more of all.
         others = explained_otherwise(self._dynamics, parts, usable, lambda _, left: not mends(growth(left)))
-        grown, reading = min(
-            ((growth(left), reading) for reading, left in others), key=lambda x: x[0], default=(np.inf, None)
-        )
+        robot = self._dynamics.robot
+        turned = ((r, explained(self._dynamics, *r.read(parts, usable, robot))) for r in all_turned(robot))
+        found = ((growth(left), reading) for reading, left in chain(others, turned))
+        grown, reading = min(found, key=lambda x: x[0], default=(np.inf, None))
         return reading if mends(grown) else None
 
 
