@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from monitor_windows import SETTINGS, residuals, statistics_of
 
-from jointwear.monitor.events import Event
-from jointwear.monitor.judging.early_events import early_event_findings, early_events
+from jointwear.monitor.events import Event, acting, events_of, planned_events
+from jointwear.monitor.judging.early_events import early_event_findings, early_events, planned_event_findings
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.local_time import with_local_times, zone_of
 from jointwear.monitor.reading.windows import blank_statistics
-from jointwear.running.closing import EARLY_EVENT
+from jointwear.running.closing import EARLY_EVENT, PLANNED_EVENT
 
 #: Midnight of 2026-01-01 UTC [s].
 BEGIN = 1_767_225_600.0
@@ -72,3 +72,26 @@ def test_times_in_findings_are_those_of_the_zone_of_the_page():
     assert with_local_times(words, zone_of("Europe/Berlin")) == (
         "The baseline ends at 2027-01-15 01:00 CET, 'from' is 2026-07-05T00:00:00Z; 2026-07-01 12:30 CEST."
     )
+
+
+def test_an_event_that_is_yet_to_come_acts_from_its_time_on_and_is_told_until_then():
+    """A planned service had stopped every robot of the file."""
+    dates = ["2025-12-20T06:00:00Z", "2026-01-09T06:00:00", "2031-02-01"]
+    events = [{"time": date, "axes": [1], "kind": "service"} for date in dates]
+    entry = {"events": [*events, {"time": 5e9, "kind": "program"}], "time_zone": "Europe/Berlin"}
+    now = acting(entry, BEGIN)
+    assert [e.kind for e in events_of(now)] == ["service", "program"]
+    soon, far = planned_events(now)
+    assert soon[0].time == BEGIN + 8 * 86400 + 5 * 3600
+    assert (soon[1], far[1]) == (False, True)
+    found = planned_event_findings(windows(), [soon, far])
+    assert [f["kind"] for f in found] == [PLANNED_EVENT, EARLY_EVENT]
+    told = early_events(found, "Europe/Berlin")
+    assert told[0] == (
+        "The event of 2026-01-09 06:00 CET (service, axis 1) is yet to come: it closes no alarm until then."
+    )
+    assert "is its year a typo?" in told[1]
+    later = acting(entry, BEGIN + 9 * 86400)
+    assert (len(events_of(later)), len(planned_events(later))) == (3, 1)
+    # An entry without any is as it was given, so that nothing is judged again.
+    assert acting({"events": events[:1]}, BEGIN) == {"events": events[:1]}

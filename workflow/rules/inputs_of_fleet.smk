@@ -2,6 +2,7 @@
 import time
 
 from jointwear.files.digests import digest
+from jointwear.monitor.events import acting
 from jointwear.monitor.fleet.plan import batches, begun, seen, processes_of_job
 from jointwear.monitor.learned_model import model_file
 from jointwear.monitor.plan import window_seconds
@@ -15,8 +16,12 @@ FLEET = batches(list(MONITOR["robots"]))
 
 
 def fleet_entries(wildcards):
-    """Entries of the robots of a batch, with the robot files that they are judged with."""
-    entries = {name: MONITOR["robots"][name] for name in FLEET[wildcards.fleet_batch]}
+    """Entries of the robots of a batch, with the robot files that they are judged with and the events that act by now.
+    """
+    entries = {
+        name: acting(MONITOR["robots"][name], NOW)
+        for name in FLEET[wildcards.fleet_batch]
+    }
     return {
         name: {**entry, "robot": model_file(name, entry)}
         for name, entry in entries.items()

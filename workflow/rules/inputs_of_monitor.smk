@@ -1,7 +1,10 @@
 # Which logs every monitored robot has, and what the rules of monitor.smk take from its entry.
+import time
+
 from jointwear.files.errors import nearest
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.monitor.events import acting
 from jointwear.monitor.reading.kept_surveys import surveyed_log
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.learned_model import learnt_of_other, model_file
@@ -48,6 +51,9 @@ LOGS = {
 }
 if SILENT and not LOGS:
     sys.exit("jointwear: no robot has a log that can be reached")
+
+# Time of this call: an event of the config acts from its own on.
+NOW = time.time()
 
 
 # Templates of the page of a robot.
@@ -103,8 +109,8 @@ def entry_of(name):
 
 
 def given_entry(wildcards):
-    """The entry of a robot as it is given."""
-    return entry_of(wildcards.monitored)
+    """The entry of a robot as it is given, with the events that act by now."""
+    return acting(entry_of(wildcards.monitored), NOW)
 
 
 def monitored_entry(wildcards):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import tzinfo
 from typing import Any
 
 from jointwear.files.errors import InputError, shown
@@ -14,6 +15,12 @@ from jointwear.monitor.local_time import zone_of
 KINDS = ("service", "sensor", "program", "acknowledged")
 #: Kind of an event that changes how a robot runs and nothing about its joints: what they had grown by goes on.
 NEW_PROGRAM = "program"
+#: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
+ZONES = 14 * 3600.0
+#: Time ahead [s], a year, beyond which nobody plans a service: the date is mistyped.
+FAR = 366 * 86400.0
+#: Key of an entry under which :func:`acting` puts events that are yet to come.
+PLANNED = "planned_events"
 
 
 @dataclass(frozen=True)
@@ -43,8 +50,19 @@ def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
     ------
     InputError : naming the event, if its time is none.
     """
-    events, zone = [], zone_of(entry.get("time_zone"))
-    for k, given in enumerate(entry.get("events") or ()):
+    return _events(entry.get("events") or (), zone_of(entry.get("time_zone")))
+
+
+def planned_events(entry: Mapping[str, Any]) -> list[tuple[Event, bool]]:
+    """Return the events of an entry that are yet to come, see :func:`acting`, each with whether it is so far ahead that
+    its date is mistyped."""
+    zone = zone_of(entry.get("time_zone"))
+    return [(_events([given], zone)[0], bool(given.get("far"))) for given in entry.get(PLANNED) or ()]
+
+
+def _events(listed: Sequence[Mapping[str, Any]], zone: tzinfo) -> tuple[Event, ...]:
+    events = []
+    for k, given in enumerate(listed):
         try:
             time = moment_of(given["time"], zone)
         except (KeyError, ValueError):
@@ -55,6 +73,20 @@ def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
         axes = tuple(int(a) - 1 for a in given.get("axes") or ())
         events.append(Event(time, axes, given.get("kind", "service"), given.get("note", "")))
     return tuple(sorted(events, key=lambda e: e.time))
+
+
+def acting(entry: Mapping[str, Any], now: float) -> dict[str, Any]:
+    """Return an entry with those `events` alone that act at `now` [s since 1970], the others under :data:`PLANNED`.
+
+    One that is yet to come would close every alarm until then. It acts from its time on, as the entry changes then.
+    """
+    given = list(entry.get("events") or ())
+    zone = zone_of(entry.get("time_zone"))
+    planned = [e for e in given if isinstance(e["time"], str) and moment_of(e["time"], zone) > now + ZONES]
+    if not planned:
+        return dict(entry)
+    far = [{**e, "far": moment_of(e["time"], zone) > now + FAR} for e in planned]
+    return {**entry, "events": [e for e in given if e not in planned], PLANNED: far}
 
 
 def event_windows(events: Sequence[Event], start: Sequence[float], axes: int) -> list[list[int]]:

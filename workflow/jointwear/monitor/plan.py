@@ -44,8 +44,6 @@ BATCH_BYTES = 8e6
 LONGEST_NAME = 100
 #: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
 SHORTEST, LONGEST = 1.0, 3650 * 86400.0
-#: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
-ZONES = 14 * 3600.0
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 #: What is said of a log whose name is in another encoding, and the mend.
 _NO_UTF8 = "whose name is not UTF-8, so that it cannot be read; rename it"
@@ -245,7 +243,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
                         f"config: 'events' names axis {wrong}, robot '{robot['name']}' has {count(most, 'joint')} "
                         f"(allowed: 1 to {most}); the nearest valid value is {min(max(wrong, 1), most)}"
                     )
-            _check_past(entry)
+            _check_to_come(entry)
         except InputError as error:
             raise InputError(str(error).replace("config: 'events", f"config: '{where}.events", 1)) from None
         try:
@@ -271,18 +269,18 @@ def check_robots(config: Mapping[str, Any]) -> None:
             )
 
 
-def _check_past(entry: Mapping[str, Any]) -> None:
-    """Check that no event is yet to come: it would close every alarm until then.
+def _check_to_come(entry: Mapping[str, Any]) -> None:
+    """Check that no event lies further ahead than an arm lives: nobody plans that; a nearer one acts from its time on.
 
     Raises
     ------
     InputError : naming the event.
     """
     for k, given in enumerate(entry.get("events") or ()):
-        if isinstance(given["time"], str) and moment_of(given["time"]) > time.time() + ZONES:
+        if isinstance(given["time"], str) and moment_of(given["time"]) > time.time() + LONGEST:
             raise InputError(
-                f"config: 'events[{k}].time' is {shown(given['time'])}, which is yet to come; allowed: what has been "
-                "done, as its alarms are closed by it"
+                f"config: 'events[{k}].time' is {shown(given['time'])}, which is yet to come, by more than "
+                f"{LONGEST / 86400:g} d; allowed: what has been done, or is planned within that time"
             )
 
 

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.events import events_of
+from jointwear.monitor.events import events_of, planned_events
 from jointwear.monitor.findings.clocks import clock_findings
 from jointwear.monitor.findings.read_findings import missing_temperature
 from jointwear.monitor.findings.seen_growth import COARSE, dead_band_findings
 from jointwear.monitor.findings.short_logs import short_log_findings
 from jointwear.monitor.judging.baseline import baseline_of, keep_baseline, with_kept_baseline
-from jointwear.monitor.judging.early_events import early_event_findings
+from jointwear.monitor.judging.early_events import early_event_findings, planned_event_findings
 from jointwear.monitor.judging.judge import Judgement, judge
 from jointwear.monitor.judging.judge_settings import settings_of
 from jointwear.monitor.judging.state import write_alarms, write_state
@@ -112,6 +112,7 @@ def judge_pieces(
     first = [{"time": begin, "axes": [], "kind": k, "words": w} for k, w in [*words, *(("robot", w) for w in told)]]
     judgement = replace(judgement, findings=[*first, *judgement.findings])
     early = early_event_findings(statistics, events_of(entry), baseline.mask)
+    early += planned_event_findings(statistics, planned_events(entry))
     more = [*early, *clock_findings(whole), *short_log_findings(whole), *missing_temperature(statistics, arm)]
     if survey is not None:
         more += _dead_bands(read_survey(survey), statistics, judgement, baseline.count)

@@ -19,8 +19,9 @@ PAGES = ("results/*/index.html", "results/*/*.html", "results/*/*/*.html")
 LEARNED = "results/learned/*/learned.json"
 #: Page and rows of the fleet, and the largest file of rows that is read for a line.
 FLEET, ROWS, LARGEST_ROWS = Path("results/fleet/index.html"), Path("results/fleet/rows.json"), 5_000_000
-#: Kind of a finding on an event before what is judged, of `monitor.judging.early_events`.
-EARLY_EVENT = "early_event"
+#: Kinds of findings on an event before what is judged and on one to come, of `monitor.judging.early_events`.
+EARLY_EVENT, PLANNED_EVENT = "early_event", "planned_event"
+EVENTS = (EARLY_EVENT, PLANNED_EVENT)
 #: Most lines of a kind.
 MOST = 20
 
@@ -54,7 +55,7 @@ def _refusal_of(row: dict) -> list[str]:
 
 def _early_of(row: dict) -> list[str]:
     """Return the events of a robot's entry that close nothing, in a line each."""
-    return [f"event: {row['robot']}: {f['words']}" for f in row.get("findings", []) if f["kind"] == EARLY_EVENT]
+    return [f"event: {row['robot']}: {f['words']}" for f in row.get("findings", []) if f["kind"] in EVENTS]
 
 
 def _kept_of(name: str, rows: Path) -> str:

@@ -14,7 +14,7 @@ from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, STALE
-from jointwear.monitor.judging.early_events import EARLY_EVENT
+from jointwear.monitor.judging.early_events import EARLY_EVENT, PLANNED_EVENT
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
 from jointwear.monitor.presentation.to_answer import is_note, lasts, to_do
@@ -35,7 +35,9 @@ CHECKS = {
     ASKS: "Enter what was done to it, or look for the cause",
 }
 #: Kinds of findings that hold for all logs, and have no day.
-LASTING = (COARSE, LOOSE, MISSED, EARLY_EVENT, "baseline", "robot", "dead_band", "missing_temperature")
+LASTING = (
+    COARSE, LOOSE, MISSED, EARLY_EVENT, PLANNED_EVENT, "baseline", "robot", "dead_band", "missing_temperature",
+)  # fmt: skip
 #: Numbers of joints, and of what is refused, by which reasons of one kind differ.
 _NUMBERS = re.compile(r"(?:, )?[-+]?\d[\d.e+-]*(?: (?:for|on) joint \d+)?")
 #: How what mends a log begins, among the clauses that say why it is refused.

@@ -1,8 +1,9 @@
-"""Events of the config that lie before what is judged: mostly a month or a year that was mistyped.
+"""Events of the config that lie before what is judged, mostly a month or a year that was mistyped, or are yet to come.
 
 Nothing is judged before the end of the baseline, so that such an event closes no alarm. One before the baseline changes
 nothing at all; one within it leaves an axis the windows before it alone to learn from. One between the last window
-before the baseline and its first is what the baseline begins after ('from'), and nothing to ask about.
+before the baseline and its first is what the baseline begins after ('from'), and nothing to ask about. One that is yet
+to come acts from its time on.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from jointwear.monitor.findings.findings import moment_words
 from jointwear.monitor.local_time import with_local_times, zone_of
 from jointwear.monitor.reading.windows import WindowStatistics
 
-#: Kind of the finding.
-EARLY_EVENT = "early_event"
+#: Kinds of the findings; one that is so far ahead that its date is mistyped is told as one that is early.
+EARLY_EVENT, PLANNED_EVENT = "early_event", "planned_event"
 
 
 def early_event_findings(
@@ -58,7 +59,25 @@ def early_event_findings(
     return result
 
 
+def planned_event_findings(statistics: WindowStatistics, planned: Sequence[tuple[Event, bool]]) -> list[dict[str, Any]]:
+    """Return one finding for each event that is yet to come; `planned`: as of
+    :func:`~jointwear.monitor.events.planned_events`."""
+    result = []
+    for event, far in planned:
+        axes = [axis + 1 for axis in event.axes]
+        words = (
+            f"The event of {moment_words(statistics, event.time)} ({event.kind}, "
+            f"{name_axes(axes) if axes else 'all axes'}) is yet to come: it closes no alarm until then."
+        )
+        if far:
+            words += " It is more than a year ahead: is its year a typo? Give the time at which it was done."
+        result.append({"time": None, "axes": axes, "kind": EARLY_EVENT if far else PLANNED_EVENT, "words": words})
+    return result
+
+
 def early_events(findings: Sequence[Mapping[str, Any]], time_zone: str | None) -> list[str]:
-    """Return the words of those findings that are on early events, with times of a zone (IANA name; None is UTC)."""
+    """Return the words of those findings that are on events which close nothing, with times of a zone (IANA name; None
+    is UTC)."""
     zone = zone_of(time_zone)
-    return [with_local_times(found["words"], zone) for found in findings if found["kind"] == EARLY_EVENT]
+    kinds = (EARLY_EVENT, PLANNED_EVENT)
+    return [with_local_times(found["words"], zone) for found in findings if found["kind"] in kinds]
