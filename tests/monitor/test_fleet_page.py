@@ -8,11 +8,14 @@ import pytest
 from fleet_rows import DAY, NOW, axis, began, fall, robot
 
 from jointwear.monitor.findings.findings import fell_words
+from jointwear.monitor.findings.loud import LOUD
+from jointwear.monitor.findings.odd_motion import STOPPED
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.told_together import told_together
 from jointwear.monitor.fleet.page import robot_item, write_fleet_page
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.summary import summarise_fleet
+from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.judging.open_alarms import OPEN_ALARM
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.presentation.condition import CHANGED, UNJUDGED
@@ -114,6 +117,15 @@ def test_refused_logs_that_the_page_does_not_name_are_counted(tmp_path, refused,
     files = (tmp_path / name for name in ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json"))
     summarise_fleet([tmp_path / "batch.json"], tmp_path / "robots", *files, now=NOW)
     assert re.findall(r"\d+ logs? more refused", (tmp_path / "index.html").read_text()) == ([told] if told else [])
+
+
+def test_a_position_that_stands_still_comes_before_what_follows_from_it():
+    """An engineer had been sent to the torque of another axis."""
+    stopped = {"time": NOW - DAY, "end": NOW, "axes": [2], "kind": STOPPED, "words": "The position of axis 2 stays."}
+    loud = {"time": NOW - DAY / 2, "axes": [3], "kind": LOUD, "words": "The torque of axis 3 grew uneven."}
+    row = as_of(robot("arm", findings=[loud, stopped]), NOW)
+    assert "stays" in robot_item(row, zone_of(None), "robots")["findings"][0]
+    assert "stays" in table_row(row)["what_to_check"]
 
 
 def test_what_is_to_be_mended_comes_before_what_is_only_told():

@@ -10,12 +10,17 @@ from monitor_logs import ROBOT, model
 from monitor_states import EVIL, HOURS, WORN
 
 from jointwear.files.errors import InputError
-from jointwear.monitor.judging.baseline import choose_baseline
+from jointwear.monitor.fleet.page import robot_item
+from jointwear.monitor.fleet.ranking import as_of, asks
+from jointwear.monitor.fleet.table import table_row
+from jointwear.monitor.judging.baseline import ELSEWHERE, choose_baseline
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.judging.judge_settings import settings_of
 from jointwear.monitor.judging.state import read_state, write_state
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.normal.friction import window_friction
 from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.presentation.standing import NOTHING, standing
 from jointwear.monitor.reading.assembly import Piece, assemble
 from jointwear.monitor.reading.window_files import read_statistics
 from jointwear.monitor.stages import judge_windows
@@ -102,3 +107,30 @@ def test_refusals_are_kept_in_the_state(tmp_path, monitored):
     assert state.entry == json.loads(json.dumps(entry))
     write_page(read_state(tmp_path / "state.nc"), tmp_path / "p.html", tmp_path / "figures")
     assert EVIL not in (tmp_path / "p.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("until", "level", "told"),
+    [
+        ("2099-01-15", UNJUDGED, "Set 'baseline.until' to a time between the first"),
+        ("2001-01-15", "healthy", "lies before the first log: is its year right?"),
+    ],
+)
+def test_a_baseline_beside_the_logs_is_told_alike_by_state_table_and_page(tmp_path, monitored, until, level, told):
+    """One after the newest log had left every window healthy and said 'let it move'; one before all was not told."""
+    _, windows, entry = monitored
+    entry = {**entry, "baseline": {"until": until}}
+    judge_windows(windows[:1], ROBOT, entry, tmp_path / "s.nc", tmp_path / "a.csv", tmp_path / "r.json")
+    state = read_state(tmp_path / "s.nc")
+    assert (state.status[:5, :5] == level).all()
+    row = {**NOTHING, "robot": "arm", "folder": "arm", "result": "judged", **standing(state)}
+    row = as_of(row, state.end[-1])
+    assert row["refused_newest"] == 0
+    if level == UNJUDGED:
+        assert (row["unjudged_windows"], row["urgency"]) == (len(state.start), UNJUDGED)
+        assert told in table_row(row)["what_to_check"]
+        assert robot_item(row, zone_of(None), "robots")["check"].startswith(told)
+    else:
+        assert asks(row)
+        (found,) = [f for f in state.findings if f["kind"] == ELSEWHERE]
+        assert told in found["words"]

@@ -16,8 +16,7 @@ FLEET = batches(list(MONITOR["robots"]))
 
 
 def fleet_entries(wildcards):
-    """Entries of the robots of a batch, with the robot files that they are judged with and the events that act by now.
-    """
+    """Entries of the robots of a batch, with the robot files that they are judged with and the events that act by now."""
     entries = {
         name: acting(MONITOR["robots"][name], NOW)
         for name in FLEET[wildcards.fleet_batch]

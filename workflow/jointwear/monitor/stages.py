@@ -18,7 +18,13 @@ from jointwear.monitor.findings.clocks import clock_findings
 from jointwear.monitor.findings.read_findings import missing_temperature
 from jointwear.monitor.findings.seen_growth import COARSE, dead_band_findings
 from jointwear.monitor.findings.short_logs import short_log_findings
-from jointwear.monitor.judging.baseline import baseline_of, keep_baseline, with_kept_baseline
+from jointwear.monitor.judging.baseline import (
+    ELSEWHERE,
+    baseline_of,
+    keep_baseline,
+    learnt_elsewhere,
+    with_kept_baseline,
+)
 from jointwear.monitor.judging.early_events import early_event_findings, planned_event_findings
 from jointwear.monitor.judging.judge import Judgement, judge
 from jointwear.monitor.judging.judge_settings import settings_of
@@ -107,9 +113,15 @@ def judge_pieces(
         recall=recall,
         logs=logs_of_windows(whole.pieces, statistics),
     )
-    words = [("baseline", baseline.words)] if baseline.words else []
+    if not baseline.complete:
+        # While normal is being learnt nothing is judged; what is learnt from counts as healthy only once it is chosen.
+        judgement = replace(judgement, status=np.full_like(judgement.status, UNJUDGED))
+    kind = ELSEWHERE if learnt_elsewhere(statistics, baseline, given) else "baseline"
+    words = [(kind, baseline.words)] if baseline.words else []
     begin = float(statistics.start[0])
     first = [{"time": begin, "axes": [], "kind": k, "words": w} for k, w in [*words, *(("robot", w) for w in told)]]
+    if baseline.advice:
+        first[0] |= {"advice": baseline.advice}
     judgement = replace(judgement, findings=[*first, *judgement.findings])
     early = early_event_findings(statistics, events_of(entry), baseline.mask)
     early += planned_event_findings(statistics, planned_events(entry))

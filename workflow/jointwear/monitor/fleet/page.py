@@ -14,6 +14,7 @@ from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
 from jointwear.monitor.fleet.ranking import ASKS, ORDER, REFUSED, STALE
+from jointwear.monitor.judging.baseline import ELSEWHERE
 from jointwear.monitor.judging.early_events import EARLY_EVENT, PLANNED_EVENT
 from jointwear.monitor.local_time import duration, local_day, local_time, log_time
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, REACHED, UNJUDGED, UNRESOLVED
@@ -36,7 +37,8 @@ CHECKS = {
 }
 #: Kinds of findings that hold for all logs, and have no day.
 LASTING = (
-    COARSE, LOOSE, MISSED, EARLY_EVENT, PLANNED_EVENT, "baseline", "robot", "dead_band", "missing_temperature",
+    COARSE, LOOSE, MISSED, EARLY_EVENT, PLANNED_EVENT, ELSEWHERE, "baseline", "robot", "dead_band",
+    "missing_temperature",
 )  # fmt: skip
 #: Numbers of joints, and of what is refused, by which reasons of one kind differ.
 _NUMBERS = re.compile(r"(?:, )?[-+]?\d[\d.e+-]*(?: (?:for|on) joint \d+)?")
@@ -52,7 +54,7 @@ SHOWN = 3
 def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any]:
     """Return what the page says of one robot; `link` leads to the folder of its files."""
     axes = [todo(row, axis, zone) for axis in row["axes"] if axis["check"]]
-    check = CHECKS.get(row["urgency"], "")
+    check = _advice(row) or CHECKS.get(row["urgency"], "")
     if check and row["urgency"] in (REFUSED, UNJUDGED):
         known = None if row["last_judged"] is None else log_time(row["last_judged"], zone, row["dated"])
         check += ": nothing is known of this robot" + (f" since {known}" if known else "")
@@ -86,13 +88,18 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
 
 
 def what_to_do(row: Mapping[str, Any], zone: tzinfo) -> str:
-    """Return in one line what to do on a robot that is refused or asks for an entry under events: what mends its logs,
-    or the finding that asks; else empty."""
+    """Return in one line what to do on a robot that is refused, asks for an entry under events or waits for a baseline:
+    what mends its logs, the finding that asks, or the key to set; else empty."""
     if row["urgency"] == REFUSED:
         return "; ".join(_mends(row)) or f"{CHECKS[REFUSED]}: see 'reason'"
     if row["urgency"] == ASKS:
         return "; ".join([CHECKS[ASKS], *[*_over(row), *(words for words, _ in _to_check(row, zone))][:1]])
-    return ""
+    return _advice(row)
+
+
+def _advice(row: Mapping[str, Any]) -> str:
+    """Return what ends that a robot cannot be judged, where a finding says it; else empty."""
+    return next((f["advice"] for f in row["findings"] if f.get("advice")), "") if row["urgency"] == UNJUDGED else ""
 
 
 def _mends(row: Mapping[str, Any]) -> list[str]:

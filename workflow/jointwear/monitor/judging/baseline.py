@@ -29,14 +29,21 @@ from jointwear.monitor.normal.shifts import shift_labels
 from jointwear.monitor.reading.window_files import read_statistics, write_statistics
 from jointwear.monitor.reading.windows import WindowStatistics, merge
 
+#: Kind of the finding on a baseline that the config puts before all logs.
+ELSEWHERE = "baseline_elsewhere"
+#: What ends that nothing is judged because of a `key` of the baseline.
+_ADVICE = "Set 'baseline.{key}' to a time between the first window and the newest"
+
 
 @dataclass(frozen=True)
 class Baseline:
-    """`mask` (w,) of the windows; `complete`: nothing more is learnt; `words`: what a user must know, or empty."""
+    """`mask` (w,) of the windows; `complete`: nothing more is learnt; `words`: what a user must know, or empty;
+    `advice`: what ends that nothing is judged, where it is not logs that have to come."""
 
     mask: np.ndarray
     complete: bool
     words: str = ""
+    advice: str = ""
 
     @property
     def count(self) -> int:
@@ -86,7 +93,8 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
     begin, until = border(statistics, given, "from"), border(statistics, given, "until")
     after = np.ones(statistics.windows, dtype=bool) if begin is None else statistics.start >= begin
     if begin is not None and begin >= statistics.end[-1]:
-        return Baseline(np.zeros(statistics.windows, dtype=bool), False, _yet_to_begin(statistics, begin))
+        nothing = np.zeros(statistics.windows, dtype=bool)
+        return Baseline(nothing, False, _yet_to_begin(statistics, begin), _ADVICE.format(key="from"))
     asked = int(given.get("windows", 0))
     mask = after & (statistics.end <= until) if until is not None else np.zeros(statistics.windows, dtype=bool)
     if until is None or asked:
@@ -101,7 +109,9 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
     if _enough(statistics, mask):
         # As long as no window has come from after its end, more of the time that was asked for may come.
         over = until is None or bool(np.any(statistics.end > until)) or 0 < asked <= mask.sum()
-        return Baseline(mask, over, "" if over else _still_learning(statistics, until))
+        if over:
+            return Baseline(mask, True)
+        return Baseline(mask, False, _still_learning(statistics, until), _ADVICE.format(key="until"))
     longer = mask.copy()
     for k in np.flatnonzero(after & ~mask):
         longer[k] = True
@@ -111,6 +121,11 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
                 "too few to know what is normal; it goes on until "
                 f"{moment_words(statistics, float(statistics.end[k]))}. Until then nothing is judged."
             )
+            if until is not None and until <= statistics.start[0]:
+                words += (
+                    f" 'until' ({moment_words(statistics, until)}) lies before the first log: is its year right? Give "
+                    "a time at which the robot was healthy."
+                )
             return Baseline(longer, True, words)
     words = (
         f"The baseline holds {_held_words(statistics, longer)}; "
@@ -118,6 +133,13 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         "Nothing is judged until they have come."
     )
     return Baseline(longer, False, words)
+
+
+def learnt_elsewhere(statistics: WindowStatistics, baseline: Baseline, given: Mapping[str, Any]) -> bool:
+    """Return whether a baseline was learnt of windows that all come after the end which the config gives it: mostly a
+    year that was mistyped. Parameters are those of :func:`choose_baseline`, and what it returned."""
+    rows, until = np.flatnonzero(baseline.mask), border(statistics, given, "until")
+    return bool(len(rows)) and baseline.complete and until is not None and until <= float(statistics.start[rows[0]])
 
 
 def _yet_to_begin(statistics: WindowStatistics, begin: float) -> str:

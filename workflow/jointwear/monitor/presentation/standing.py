@@ -137,6 +137,10 @@ def refused_newest(state: RobotState) -> int:
     """
     newest = last_judged(state)
     since, reached = (-np.inf, -np.inf) if newest is None else (state.end[newest], state.start[newest])
+    if newest is None and state.baseline == len(state.start):
+        # While the baseline is learnt nothing is judged, and what it is learnt from is known.
+        newest = state.baseline - 1
+        since, reached = state.end[newest], state.start[newest]
     refused = (state.flags & int(Flag.REFUSED)).any(axis=1) & (state.end > since)
     count, before = 0, -np.inf
     logs = list(zip(state.refused, state.first, state.last, strict=True))

@@ -13,6 +13,7 @@ from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPE
 from jointwear.monitor.findings.read_findings import DRIVES, NONE
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.thermometers import BROKEN
+from jointwear.monitor.judging.baseline import ELSEWHERE
 from jointwear.monitor.judging.open_alarms import GROWN_BEFORE, OPEN_ALARM
 from jointwear.monitor.normal.override import OVERRIDE
 from jointwear.monitor.reading.zeros import ZERO
@@ -20,7 +21,7 @@ from jointwear.monitor.reading.zeros import ZERO
 #: Kind of a finding on logs that are dated ahead of now.
 AHEAD = "dated_ahead"
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = (AHEAD, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREASED, LOUD, ZERO)
+ASKING = (AHEAD, ELSEWHERE, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREASED, LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
 WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
@@ -41,7 +42,10 @@ def lasts(found: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
 
 
 def to_do(found: Mapping[str, Any]) -> int:
-    """Return the place of a finding: those that ask for an answer, that are to be mended, and all others."""
+    """Return the place of a finding: a position that stands still, from which others follow as all axes are worked out
+    with a wrong posture; those that ask for an answer, that are to be mended, and all others."""
+    if found["kind"] == STOPPED:
+        return -1
     return 0 if asks_for_answer(found) else 1 if found["kind"] in WHILE_IT_LASTS else 2
 
 
