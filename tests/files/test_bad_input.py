@@ -204,6 +204,9 @@ def robot(root):
         ("urdf", "a.urdf", ["either as 'dh'"]),
         ("effects", [{"effect": "payload", "axis": 7}], ["effects[0].axis", "1 to 6", "nearest valid value is 6"]),
         ("colour", "red", ["unknown key 'colour'"]),
+        ("convention", "modified", ["unknown key 'convention'", "'dh' is a standard DH table", "allowed: name"]),
+        ("dh.1.sigma", 1, ["unknown key 'dh[1].sigma'", "every joint is revolute"]),
+        ("joints.1.type", "prismatic", ["unknown key 'joints[1].type'", "every joint is revolute"]),
     ],
 )
 def test_a_wrong_robot_file(tmp_path, robot, path, value, words):

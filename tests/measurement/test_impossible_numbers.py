@@ -124,7 +124,7 @@ def test_a_label_of_a_trajectory_is_a_whole_number_that_can_be_stored(tmp_path, 
     table["trajectory"] = np.zeros(len(table["time"]))
     table["trajectory"][3:] = label
     write_csv(tmp_path / "log.csv", table)
-    with pytest.raises(InputError, match="whole numbers of at most 2147483647"):
+    with pytest.raises(InputError, match="whole numbers of at most 2147483647; that of sample 4 is none"):
         recording(tmp_path / "log.csv")
     assert chunk(tmp_path / "log.csv").trajectory.max() < 2**31
 
@@ -279,6 +279,17 @@ def test_an_attribute_of_ours_with_several_numbers_is_one_line(tmp_path, attribu
 def test_a_clock_in_another_unit_is_told_with_the_unit_that_fits(step, unit):
     with pytest.raises(InputError, match=rf"units: {{time: {unit}}}"):
         check_clock("a.csv", 1.8e9 / 0.02 * step + step * np.arange(5))
+
+
+def test_rows_in_no_order_are_told_and_not_taken_for_another_unit():
+    time = np.random.default_rng(1).permutation(5000) * 0.1
+    with pytest.raises(
+        InputError, match=r"a\.csv: \d+% of its rows have an earlier .* out of order; sort them by time"
+    ):
+        check_clock("a.csv", time[:1000])
+    # Of trajectories whose times begin anew few steps go back, and a wrong unit stays one.
+    with pytest.raises(InputError, match="state its unit"):
+        check_clock("a.csv", np.tile(1e5 * np.arange(50), 4))
 
 
 def test_days_of_a_spreadsheet_are_told():

@@ -30,6 +30,10 @@ def check(**more):
             {"baseline": {"until": "31.01.2026"}},
             r"until' is '31\.01\.2026'; did you mean '2026-01-31'\? \(allowed: ISO",
         ),
+        (
+            {"baseline": {"until": "2026-02-30"}},
+            r"until' is '2026-02-30'; that day does not exist, the nearest valid value is '2026-02-28' \(allowed",
+        ),
         ({"baseline": {"until": "31/1/26"}}, r"until' is '31/1/26'; did you mean '2026-01-31'\? \(allowed: ISO"),
         (
             {"baseline": {"until": "01/02/2026"}},

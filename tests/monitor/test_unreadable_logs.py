@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from monitor_logs import START, columns, make_log, read, write_bag, write_csv, write_netcdf, write_parquet
+from monitor_logs import START, columns, layout, make_log, read, write_bag, write_csv, write_netcdf, write_parquet
 
 from jointwear.files.errors import InputError
+from jointwear.files.storage import Variable, write_dataset
+from jointwear.measurement.formats import read_log
 
 FILES = {
     "empty.csv": (lambda p: p.write_text(""), "is empty"),
@@ -28,6 +30,12 @@ FILES = {
     "book.csv": (lambda p: p.write_bytes(b"PK\x03\x04" + bytes(90)), "a workbook of a spreadsheet or a zip file"),
     "packed.csv": (lambda p: p.write_bytes(gzip.compress(b"time,position_1\n")), "packed by gzip; unpack it"),
     "page.csv": (lambda p: p.write_text("\n<!DOCTYPE html><html><p>Sign in</p></html>\n"), "is a web page, not CSV"),
+    "page.nc": (lambda p: p.write_text("<!DOCTYPE html>\n<html></html>\n"), "is a web page, not netCDF"),
+    "page.parquet": (lambda p: p.write_text("<html><p>Sign in</p></html>\n"), "is a web page, not Parquet"),
+    "pointer.csv": (lambda p: p.write_text("version https://git-lfs.github.com/spec/v1\nsize 1\n"), "git lfs pull"),
+    "netcdf.csv": (lambda p: p.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(90)), "is netCDF, not CSV; let its name end"),
+    "classic.parquet": (lambda p: p.write_bytes(b"CDF\x01" + bytes(90)), "is netCDF, not Parquet"),
+    "parquet.nc": (lambda p: write_parquet(p, columns(make_log(1.0))), r"is Parquet, not netCDF; .* with \.parquet"),
     "json.csv": (lambda p: p.write_text('{"time": 0.0, "position_1": 1.5}\n' * 50), "holds JSON, not CSV"),
     "list.csv": (lambda p: p.write_text('[{"time": 0.0, "position_1": 1.5}]'), "holds JSON, not CSV"),
     "still.csv": (
@@ -223,3 +231,13 @@ def test_mangled_columns(tmp_path, good, data):
         table[name] = values
     with np.errstate(all="ignore"):
         ends_well(write_parquet(tmp_path / "mangled.parquet", table), good)
+
+
+def test_a_variable_whose_dimensions_are_the_other_way_round_is_named(tmp_path):
+    log = make_log(2.0)
+    variables = {"time": Variable(("time",), log.time, "time", "s")}
+    for role in ("position", "torque"):
+        variables[role] = Variable(("joint", "time"), getattr(log, role).T, role)
+    write_dataset(tmp_path / "turned.nc", variables, {})
+    with pytest.raises(InputError, match=r"'position' has the dimensions \(joint, time\): write \(time, joint\), as"):
+        list(read_log(tmp_path / "turned.nc", layout()))

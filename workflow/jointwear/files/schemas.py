@@ -50,7 +50,10 @@ def _describe(error) -> str:
         allowed = list(error.schema.get("properties", {}))
         key = next(k for k in value if k not in allowed)
         full = f"{where}.{key}" if where else str(key)
-        return f"unknown key {quoted(full)}{nearest(key, allowed)} (allowed: {', '.join(allowed)})"
+        # What a schema says of a key that it knows not to have.
+        why = error.schema.get("x-unknown", {}).get(key)
+        near = f"; {why}" if why else nearest(key, allowed)
+        return f"unknown key {quoted(full)}{near} (allowed: {', '.join(allowed)})"
     if rule == "required":
         missing = next(k for k in error.validator_value if k not in value)
         allowed = _one_of(error.schema.get("properties", {}).get(missing, {}))

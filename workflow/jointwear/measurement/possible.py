@@ -16,6 +16,8 @@ ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, 
 LARGEST_LABEL = 2**31 - 1
 #: Time from sample to sample [s]: no drive closes its loop in a microsecond, and in a minute an arm has done its work.
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
+#: Share of the steps in time that go back where rows lie in no order: half of them do, of trajectories few.
+FALLING = 0.25
 #: Steps [s] of usual logs, a unit of time apart from each other.
 USUAL = (5e-4, 0.5)
 #: [degC]
@@ -97,6 +99,14 @@ def likely_unit(step: float | None, stated: str = "s") -> str:
     return "s" if stated == "ms" else "ms"
 
 
+def _in_no_order(time: np.ndarray) -> bool:
+    """Return whether times (m,) [s] lie in no order and would follow each other as samples do once they are sorted."""
+    if np.mean(np.diff(time) < 0) < FALLING:
+        return False
+    steps = np.diff(np.unique(time))
+    return len(steps) > 0 and bool(SHORTEST_STEP <= np.median(steps) <= LONGEST_STEP)
+
+
 def check_clock(path: str | Path, time: np.ndarray, stated: str = "s") -> None:
     """Check that samples follow each other as those of a controller can, and that they are of one life of an arm.
 
@@ -112,6 +122,11 @@ def check_clock(path: str | Path, time: np.ndarray, stated: str = "s") -> None:
     steps = np.diff(known)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
     if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
+        if _in_no_order(known):
+            raise InputError(
+                f"{path}: {np.mean(steps < 0):.0%} of its rows have an earlier time than the row before: they are out "
+                "of order; sort them by time"
+            )
         raise InputError(
             f"{path}: the time rises by {step:.3g} s from sample to sample (allowed: {SHORTEST_STEP:g} to "
             f"{LONGEST_STEP:g} s); state its unit, as units: {{time: {likely_unit(step, stated)}}}"

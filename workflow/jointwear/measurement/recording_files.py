@@ -59,7 +59,10 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     trajectory = np.zeros(len(whole.time), dtype=int) if whole.trajectory is None else whole.trajectory
     if (trajectory == UNLABELLED).any():
         label = (entry.get("variables") or {}).get("trajectory", "trajectory")
-        raise InputError(f"{path}: '{label}' must hold whole numbers of at most {LARGEST_LABEL}")
+        row = int(np.argmax(trajectory == UNLABELLED))
+        raise InputError(
+            f"{path}: '{label}' must hold whole numbers of at most {LARGEST_LABEL}; that of sample {row + 1} is none"
+        )
     whole, trajectory, disordered = rows_in_order(whole, trajectory)
     _check_rises(path, whole.time, trajectory)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from calendar import monthrange
 from collections.abc import Mapping
 from datetime import UTC, datetime, tzinfo
 
@@ -38,8 +39,25 @@ def meant(given: object) -> str:
     """
     if isinstance(given, str) and re.fullmatch(r"[-+]?\d+\.?\d*", given.strip(), re.ASCII):
         return f"; did you mean {given.strip()}, without quotation marks?"
+    if last := _last_of_month(str(given).strip()):
+        return f"; that day does not exist, the nearest valid value is '{last}'"
     found = _iso_of(str(given).strip())
     return f"; did you mean {_or(found)}?" if found else ""
+
+
+def _last_of_month(given: str) -> str:
+    """Return an ISO 8601 time whose day its month does not have with the last day of that month, else an empty
+    string."""
+    said = re.match(r"(\d{4})-(0[1-9]|1[0-2])-(29|3[01])(?!\d)", given)
+    if said is None or int(said[1]) == 0:
+        return ""
+    last = monthrange(int(said[1]), int(said[2]))[1]
+    moved = f"{said[1]}-{said[2]}-{last:02d}{given[said.end() :]}"
+    try:
+        utc_seconds(moved)
+    except ValueError:
+        return ""
+    return moved if int(said[3]) > last else ""
 
 
 def to_write(given: str) -> str:

@@ -13,6 +13,7 @@ from jointwear.files.errors import NO_SAMPLES, InputError
 from jointwear.files.regular_files import check_regular
 from jointwear.measurement.formats.bursts import without_bursts
 from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.formats.first_bytes import ENOUGH, check_kind
 from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.formats.rows_apart import in_one_row
 from jointwear.measurement.log_kinds import FORMATS, log_format
@@ -35,6 +36,8 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
         raise InputError(f"{path}: no kind of log (allowed: {', '.join(FORMATS)}, or a bag's folder)")
     if not Path(path).is_dir():
         check_regular(path)
+    if kind in ("netcdf", "parquet"):
+        check_kind(Path(path), kind, _begin(Path(path)))
     if kind == "netcdf":
         from jointwear.measurement.formats.netcdf import read
     elif kind == "csv":
@@ -52,6 +55,15 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
             yield without_bursts(in_one_row(chunk))
     if empty:
         raise InputError(f"{path}: {NO_SAMPLES}")
+
+
+def _begin(path: Path) -> bytes:
+    """Return the first bytes of a file; of one that cannot be read none, as its reader tells why."""
+    try:
+        with path.open("rb") as file:
+            return file.read(ENOUGH)
+    except OSError:
+        return b""
 
 
 __all__ = ["Chunk", "Layout", "layout_of", "read_log"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import netCDF4
@@ -46,7 +46,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         count = {role: there[name].shape[0] if there[name].ndim else 0 for role, name in names.items()}
         if len(set(count.values())) > 1:
             told = ", ".join(f"{role} {size}" for role, size in count.items())
-            raise InputError(f"{path}: variables differ in length ({told})")
+            raise InputError(f"{path}: variables differ in length ({told}){_turned(there, names, count['time'])}")
         for role, name in names.items():
             if there[name].dtype == str or there[name].dtype.kind not in "fiu":
                 raise InputError(f"{path}: variable '{name}' for {role} does not hold numbers")
@@ -65,6 +65,16 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             if dated:
                 values["time"] = values["time"] * factor + origin
             yield make_chunk(path, values, layout, units, dated)
+
+
+def _turned(there: Mapping[str, netCDF4.Variable], names: Mapping[str, str], samples: int) -> str:
+    """Return which variable has its dimensions the other way round, and the mend; empty where none has."""
+    for name in names.values():
+        if there[name].ndim == 2 and there[name].shape[1] == samples:
+            axis, time = there[name].dimensions
+            mend = f"write ({time}, {axis}), as xarray does by transpose('{time}', ...)"
+            return f"; '{name}' has the dimensions ({axis}, {time}): {mend}"
+    return ""
 
 
 def floats(path: Path, variable: netCDF4.Variable, values: np.ndarray) -> np.ndarray:

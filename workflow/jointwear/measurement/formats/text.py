@@ -24,6 +24,7 @@ from jointwear.files.wording import count
 from jointwear.measurement.formats.arrow import chunk_of, stamps
 from jointwear.measurement.formats.cells import Cells
 from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count, find_columns
+from jointwear.measurement.formats.first_bytes import check_kind
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.units import UNITS, spelled
@@ -41,8 +42,6 @@ _OTHER_FILES = {
     b"PK\x03\x04": "is a workbook of a spreadsheet or a zip file, not text; export it as CSV, or unpack it",
     b"\x1f\x8b": "is packed by gzip; unpack it, or let its name end with .csv.gz",
 }
-#: How a web page begins.
-_PAGES, _OF_A_PAGE = (b"<!doctype html", b"<html"), 14
 #: How lines of JSON begin, and a list of it.
 _JSON = (b'{"', b"[{")
 #: What the reader says of a cell that is not of its column's type.
@@ -277,10 +276,8 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
     for start, words in _OTHER_FILES.items():
         if whole.startswith(start):
             raise InputError(f"{path}: {words}")
-    begin = whole.lstrip(b"\xef\xbb\xbf \t\r\n")
-    if begin[:_OF_A_PAGE].lower().startswith(_PAGES):
-        raise InputError(f"{path}: is a web page, not CSV, as a server sends in place of a file after a failed login")
-    if begin.startswith(_JSON):
+    check_kind(path, "csv", whole)
+    if whole.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(_JSON):
         raise InputError(
             f"{path}: holds JSON, not CSV; write one row for each time and one column for each name, as pandas does by "
             "pandas.read_json(..., lines=True).to_csv(..., index=False)"
