@@ -12,6 +12,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.search.changing_size import CHANGING, changing
 from jointwear.discovery.search.leftovers import stand_alone
+from jointwear.discovery.search.slow_noise import beside_slow_noise
 
 AXIS = 2
 SPRING = Candidate("joint_spring", AXIS, None, {"centre": 0.0, "low": -9.0, "high": 9.0})
@@ -32,7 +33,9 @@ def _outcome(white, candidate, size):
 
 
 @pytest.mark.parametrize(
-    ("share", "least", "most"), [(1.0, None, None), (0.9, None, None), (0.5, CHANGING, 1.2)], ids=["all", "most", "half"]
+    ("share", "least", "most"),
+    [(1.0, None, None), (0.9, None, None), (0.5, CHANGING, 1.2)],
+    ids=["all", "most", "half"],
 )
 def test_what_is_there_for_a_part_of_the_time_is_told_by_its_spread(white, share, least, most):
     clock = white.problem.train_state.time
@@ -63,9 +66,32 @@ def test_a_size_that_swings_by_less_than_half_keeps_its_name(white):
     assert changing(outcome, outcome.named[0]) is None
 
 
-@pytest.mark.parametrize("effect", ["torque_offset_drift", "actuation_delay"])
-def test_what_follows_the_time_or_delays_it_is_not_asked(white, effect):
-    given_form = {"torque_offset_drift": {"start": 0.0, "time_constant": 60.0}, "actuation_delay": {"delay": 0.02, "lag": 0}}[effect]
-    candidate = Candidate(effect, AXIS, None, given_form)
+def test_what_follows_the_time_is_not_asked(white):
+    candidate = Candidate("torque_offset_drift", AXIS, None, {"start": 0.0, "time_constant": 60.0})
     outcome = _outcome(white, candidate, 1.0 * (np.mod(white.problem.train_state.time, 10.0) < 5.0))
     assert changing(outcome, outcome.named[0]) is None
+
+
+@pytest.mark.parametrize("grows", [False, True])
+def test_a_delay_that_grows_within_each_record_is_that_of_a_clock(white, grows):
+    """Its mean looks like friction and inertia too, what varies about it does not."""
+    state = white.problem.train_state
+    begins = np.array([state.time[np.asarray(state.record) == r].min() for r in state.record])
+    lasts = np.array([np.ptp(state.time[np.asarray(state.record) == r]) for r in state.record])
+    size = 2.0 * (state.time - begins) / lasts if grows else np.ones(len(state.time))
+    outcome = _outcome(white, Candidate("actuation_delay", AXIS, None, {"delay": 0.02, "lag": 0}), size)
+    spread = changing(outcome, outcome.named[0])
+    assert (spread is not None) == grows
+    stand_alone(outcome)
+    assert outcome.unsteady == ({("actuation_delay", AXIS, None)} if grows else set())
+
+
+@pytest.mark.parametrize(("unsteady", "asked"), [(set(), 2), ({SPRING.key}, 1)])
+def test_slow_noise_makes_no_size_constant_that_was_seen_to_change(white, monkeypatch, unsteady, asked):
+    outcome = _outcome(white, SPRING, np.ones(len(white.problem.train_state.time)))
+    first = replace(outcome, named=[], unsteady=unsteady)
+    answers = iter([first, outcome])
+    louder = iter([white.whiteners, None])
+    monkeypatch.setattr("jointwear.discovery.search.slow_noise.slower_noise", lambda _: next(louder))
+    monkeypatch.setattr("jointwear.discovery.search.slow_noise.whiten", lambda *_: white)
+    assert beside_slow_noise(white, lambda _: next(answers)) is (outcome if asked == 2 else first)

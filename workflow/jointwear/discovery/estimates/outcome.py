@@ -82,7 +82,8 @@ class Outcome:
     """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
 
     `refusals` are candidates that a gate refused, `suspects` what was taken off an axis that stays
-    unexplained, `not_tried` (effect, 0-based axis or None) -> reason. `force` (4,) [N, N m-1] at the
+    unexplained, `unsteady` the keys of those whose size changes over time, `not_tried` (effect, 0-based axis or None)
+    -> reason. `force` (4,) [N, N m-1] at the
     flange in the base frame, where what is unexplained is most like one.
     """
 
@@ -96,6 +97,7 @@ class Outcome:
     profile: list[Unexplained] = field(default_factory=list)
     refusals: list[Refusal] = field(default_factory=list)
     suspects: list[Suspected] = field(default_factory=list)
+    unsteady: set[tuple] = field(default_factory=set)
     not_tried: dict[tuple[str, int | None], str] = field(default_factory=dict)
     force: np.ndarray | None = None
 

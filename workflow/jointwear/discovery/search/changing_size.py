@@ -8,7 +8,7 @@ from scipy.special import gammaincc
 from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import chi_square, least_squares
 from jointwear.discovery.problem.candidates import LINK_MASS
-from jointwear.discovery.search.acceptance import follows_time, of_timing
+from jointwear.discovery.search.acceptance import follows_time, of_late_torque, of_timing
 from jointwear.discovery.structure import TIME_BIN, time_bins
 
 #: Spread of its size over time, beside its mean, from which an effect is not the same throughout: half, as of what is
@@ -22,10 +22,14 @@ def changing(outcome: Outcome, one: Named) -> float | None:
     The parameters of an effect are constants: a part that a gripper lets go, or a brake that drags at times, is half of
     itself on average and of no name. The torque that the fit gives the effect is asked anew in every `TIME_BIN` of each
     record; what noise moves those sizes by is taken off their spread, each bin counts by the square of that torque. An
-    effect that follows the time may change, and one of timing is asked for by its shape, not by its size.
+    effect that follows the time may change, and an elastic gear is asked for by its shape, not by its size.
+
+    Most of what a delay changes looks like friction and inertia, which take its mean over but not what varies about it.
+    There the spread is told by what it is worth in nats, beside the delay itself.
     """
     candidate, white, fit = one.candidate, outcome.white, outcome.fit
-    if candidate.effect == LINK_MASS or follows_time(candidate) or of_timing(candidate):
+    late = of_late_torque(candidate)
+    if candidate.effect == LINK_MASS or follows_time(candidate) or (of_timing(candidate) and not late):
         return None
     where = next(w for t, w in zip(fit.terms, fit.slices, strict=True) if t is one.term)
     bins = time_bins(outcome.problem.train_state, TIME_BIN)
@@ -40,10 +44,14 @@ def changing(outcome: Outcome, one: Named) -> float | None:
     # The variance of the noise is estimated too, to sqrt(2 / samples).
     known = 1.0 + np.sqrt(2.0 / max(sum(len(x) for x in blocks.values()), 1))
     p = float(gammaincc(freedom / 2, statistic / 2 / known)) if freedom else 1.0
-    if p >= settings.unexplained_p or 0.5 * (statistic - freedom) <= settings.accept:
+    nats = 0.5 * (statistic - freedom)
+    if p >= settings.unexplained_p or nats <= settings.accept:
         return None
-    moved = least_squares(b, gram, full)
-    share = np.diag(full) / np.trace(full)
-    by_noise = freedom / np.trace(full)
-    spread = float(np.sqrt(max(share @ moved**2 - by_noise, 0.0)))
+    if late:
+        spread = float(np.sqrt(nats / one.evidence))
+    else:
+        moved = least_squares(b, gram, full)
+        share = np.diag(full) / np.trace(full)
+        by_noise = freedom / np.trace(full)
+        spread = float(np.sqrt(max(share @ moved**2 - by_noise, 0.0)))
     return spread if spread > CHANGING else None

@@ -19,6 +19,7 @@ from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.acceptance import of_timing, predictive
 from jointwear.discovery.search.changing_size import changing
 from jointwear.discovery.search.crossval import CrossValidated
+from jointwear.discovery.search.drives_at_rest import at_rest
 from jointwear.discovery.search.explained import explained, explained_elsewhere
 from jointwear.discovery.search.in_its_place import better_in_its_place
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
@@ -47,7 +48,8 @@ def unexplained(
     Parameters
     ----------
     robust : let no sample lie further than `Settings.noise_sigmas` from the model, none at steps of acceleration that
-        the sampling does not resolve, and no `assumed.BLOCK` of splines decide.
+        the sampling does not resolve or where a shared drive that has a name is at rest, and no `assumed.BLOCK` of
+        splines decide.
     asked : 0-based axes with the arguments that are tested there; default all.
 
     Returns
@@ -58,8 +60,8 @@ def unexplained(
     # What a form that is a little off leaves behind is no structure of its own.
     fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
     if robust:
-        steps = {axis: at_unresolved_steps(white, axis) for axis in problem.judged}
-        fit = _without_outliers(fit, problem.settings.noise_sigmas, steps)
+        unknown = {axis: at_unresolved_steps(white, axis) | at_rest(outcome, axis) for axis in problem.judged}
+        fit = _without_outliers(fit, problem.settings.noise_sigmas, unknown)
     settings = problem.settings
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
@@ -267,6 +269,7 @@ def stand_alone(outcome: Outcome) -> None:
         if spread is not None:
             words = f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
             outcome.suspects.append((one, words))
+            outcome.unsteady.add(one.candidate.key)
             continue
         instead = better_in_its_place(outcome, one)
         if instead is not None:

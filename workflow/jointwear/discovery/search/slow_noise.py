@@ -50,6 +50,7 @@ def beside_slow_noise(white: White, ask: Callable[[White], Outcome]) -> Outcome:
     """Return what `ask` finds in whitened data, asked again for as long as slow noise may stand for some of it.
 
     Slow noise stands for structure and weak names: where a name of `weak_nats` would go with them it is no explanation.
+    Nor is it where an effect whose size was seen to change would have a name: that size is no more constant beside it.
     """
     outcome = ask(white)
     weak_nats = white.problem.settings.weak_nats
@@ -59,7 +60,8 @@ def beside_slow_noise(white: White, ask: Callable[[White], Outcome]) -> Outcome:
             break
         again = ask(whiten(outcome.problem, slower))
         strong = {n.candidate.key for n in outcome.named if n.evidence >= weak_nats}
-        if not strong <= {n.candidate.key for n in again.named}:
+        named = {n.candidate.key for n in again.named}
+        if not strong <= named or outcome.unsteady & named:
             break
         outcome = again
     return outcome
