@@ -56,7 +56,8 @@ OTHERS = {
     """,
     "half, which is most of something, or no price at all": """
         changing_size.CHANGING decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED
-        shared_drives.UNEXPLAINED building_up.QUIET saturated.TWICE slow_noise.PRICE instruments.FEIGNED
+        final_model.ADDS_MORE shared_drives.UNEXPLAINED building_up.QUIET saturated.TWICE slow_noise.PRICE
+        instruments.FEIGNED
     """,
     "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
     "which rivals are told as tied with a name, and asked where it is not likely": """

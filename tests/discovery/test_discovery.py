@@ -8,6 +8,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Discovery, discover
+from jointwear.discovery.findings import make_verdict
 from jointwear.measurement.recording import split
 from jointwear.measurement.refused import Refused
 from jointwear.robots.robot import robot_from_data
@@ -47,6 +48,24 @@ def test_a_held_out_record_that_is_another_robots_is_not_nothing(robot, nothing)
     assert len(told) == 1
     assert told[0].startswith("joint 3: ")
     assert not any("disagree with the model" in r for r in nothing.data["restrictions"])
+
+
+@pytest.mark.parametrize(("axis", "word"), [(2, "unknown"), (1, "effects"), (None, "unknown")])
+def test_a_suspect_on_a_joint_above_the_noise_leaves_it_unknown(robot, axis, word):
+    """What it stood for is there, and has no name; on a joint that noise explains there is nothing."""
+    spring = make_case(robot, 3, lambda q, *_: only(2, 40.0 * q[:, 2]))
+    found = discover(spring, robot)
+    assert names(found) == [("joint_spring", 3)]
+    one = found.final.estimates[0].named
+    suspect = replace(one, candidate=replace(one.candidate, axis=axis))
+    final = replace(found.final, suspects=((suspect, "its size is not the same"),))
+    torques = {k: t + only(2, 0.5 * np.sin(found.sample_time)) * (k == "augmented") for k, t in found.torques.items()}
+    torques["nominal"] = found.torques["nominal"]
+    content = make_verdict("case", final, found.map, torques, [])
+    assert [a.axis for a in content.above_the_noise] == [3]
+    assert content.verdict == word
+    told = [r for r in content.restrictions if r.startswith("joint 3: what the model lacks is like a suspected effect")]
+    assert len(told) == (word == "unknown")
 
 
 def test_one_wrong_parameter_is_retuned(robot):

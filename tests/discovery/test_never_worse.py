@@ -7,6 +7,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
+from jointwear.discovery.estimates.base import likely_base
 from jointwear.discovery.estimates.misfit import divided, misfit_of, tempered
 from jointwear.discovery.estimates.outcome import Unexplained
 from jointwear.discovery.estimates.refined_model import RefinedEffect, RefinedModel
@@ -14,6 +15,7 @@ from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.model import sound_files
 from jointwear.discovery.model.estimation import doubts, finalise
 from jointwear.discovery.model.fallback import AS_FITTED, DRIVE, FELT, HELD, HELD_WITHOUT, OF_LINKS, OWN, Step, put_back
+from jointwear.discovery.model.final_model import Weighing, named_all_the_same
 from jointwear.discovery.model.left_out import Asked, left_out_ratio
 from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.problem.whitening import INERTIAL
@@ -455,6 +457,21 @@ def test_an_effect_has_its_plain_forms_and_no_more_of_them_than_it_is():
     assert kept(terms[0]) == (RefinedEffect(None, drift, terms[0]), 0)
     assert kept(terms[1]) == (RefinedEffect(None, *plain[0]), 0)
     assert kept(terms[2]) == (model.effects[0], 1)
+
+
+@pytest.mark.parametrize(("ratio", "named"), [(1.9, True), (2.1, False)])
+def test_an_effect_that_adds_more_than_the_robot_lacks_is_a_suspect(found, monkeypatch, ratio, named):
+    """Records that are predicted far worse with it speak against it, those that are a little worse do not."""
+    white = found.final.outcome.white
+    one = found.final.outcome.named[0]
+    effect = RefinedEffect(one, one.candidate, one.term)
+    weighing = Weighing(found.final.outcome, white, np.ones(6), np.ones(6))
+    base = likely_base(white, [effect.term])[0]
+    told = replace(Asked(white, base)(base), surely=np.full(6, ratio))
+    monkeypatch.setattr("jointwear.discovery.model.final_model.Asked", lambda *_: lambda _: told)
+    model = RefinedModel((effect,), ())
+    still, suspects = named_all_the_same(weighing, base, model, [effect])
+    assert (len(still), len(suspects)) == ((1, 0) if named else (0, 1))
 
 
 @pytest.mark.parametrize("left", [True, False])

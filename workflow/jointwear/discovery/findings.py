@@ -77,7 +77,8 @@ def make_verdict(
     untold = tuple(sorted({*(axis + 1 for axis in problem.too_coarse), *unsure}))
     above = _above_the_noise(gap, problem.settings.near_the_floor)
     apart = _only_held_out(problem, above, gap) if word in (NONE, "retuned") else []
-    word = "unknown" if apart or problem.too_coarse else word
+    open_still = _suspected(final, above) if not left else []
+    word = "unknown" if apart or open_still or problem.too_coarse else word
     written = [e.named.candidate for e in final.estimates]
     return Verdict(
         dataset=name,
@@ -107,6 +108,7 @@ def make_verdict(
             *restrictions,
             *_noise_too_high(gap, unsure),
             *_held_out_alone(apart, above),
+            *_without_a_name(open_still, above),
             *_alike_in_time(final),
             *beyond_the_time(problem, written),
             *beyond_the_temperature(problem, written),
@@ -226,6 +228,27 @@ def _held_out_alone(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[st
         f"{numbered('joint', axes)}: the test trajectories disagree with the model by up to {largest:.2g} times the "
         "noise, the training trajectories do not; look whether the records of the test trajectories are sound (torque "
         "and motion of one record, sign, unit, the same robot), or whether something acts there alone"
+    )
+    return [words]
+
+
+def _suspected(final: Final, above: Sequence[AboveNoise]) -> list[int]:
+    """Return the axes, from 1, on which an effect is suspected and the held-out error stays above the noise.
+
+    What it stood for is there, in training and in the test trajectories, and has no name.
+    """
+    axes = {one.candidate.axis for one, _ in final.suspects}
+    return [a.axis for a in above if None in axes or a.axis - 1 in axes]
+
+
+def _without_a_name(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[str]:
+    """Say which axes lack something for which an effect is only suspected, in one sentence or none."""
+    if not axes:
+        return []
+    largest = max(a.ratio for a in above if a.axis in axes)
+    words = (
+        f"{numbered('joint', axes)}: what the model lacks is like a suspected effect, but none of the library describes"
+        f" it; the test trajectories disagree with the model by up to {largest:.2g} times the noise"
     )
     return [words]
 

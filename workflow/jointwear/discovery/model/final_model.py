@@ -16,10 +16,14 @@ from jointwear.discovery.estimates.refined_model import RefinedEffect, RefinedMo
 from jointwear.discovery.linear import Fit, Term
 from jointwear.discovery.model.between_axes import of_scales
 from jointwear.discovery.model.fallback import PutBack
-from jointwear.discovery.model.left_out import left_out_ratio
+from jointwear.discovery.model.left_out import Asked, left_out_ratio
 from jointwear.discovery.model.sound_fit import make_links_sound, make_sound
 from jointwear.discovery.problem.whitening import INERTIAL, White
 from jointwear.robots.inertia import mass_direction
+
+#: Times the error of the given robot, on records left out, beyond which a model with an effect adds more than the robot
+#: lacks: two, by the triangle inequality.
+ADDS_MORE = 2.0
 
 
 @dataclass(frozen=True)
@@ -122,6 +126,7 @@ def named_all_the_same(
     outcome, white = weighing.outcome, weighing.white
     whole = fit_model(weighing, base, model)
     ratio = cache(lambda parts: left_out_ratio(white, whole.fit.terms, each=False, parts=parts))
+    surely = Asked(white, whole.fit.terms)(whole.fit.terms).surely
     still = {u.axis for u in outcome.unexplained}
     named, suspects = [], []
     for effect, estimate in zip(model.effects, whole.estimates, strict=True):
@@ -130,7 +135,7 @@ def named_all_the_same(
         axis = effect.candidate.axis
         axes = white.problem.judged if axis is None else (axis,)
         fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
-        if fine and axis not in still:
+        if fine and axis not in still and max(surely[j] for j in axes) <= ADDS_MORE:
             named.append(estimate)
         else:
             suspects.append((effect.named, "with it the model predicts records left out worse than the given robot"))
