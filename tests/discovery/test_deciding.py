@@ -24,7 +24,7 @@ from jointwear.discovery.presentation.page import (
     strongest_at,
     write_page,
 )
-from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_blocks
+from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_blocks, term_of
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search import acceptance, decide, leftovers
 from jointwear.discovery.search.acceptance import missed, predictive
@@ -143,6 +143,29 @@ def test_a_robot_cannot_lose_more_than_it_has(found, mass, may_be):
     candidate, blocks, std = next(x for x in build_dictionary(white).whole if x[0].effect == "payload")
     trial = Named(candidate, Term("payload", blocks, std, raw_blocks(white, candidate)), None, 1000.0)
     assert acceptance.within_bounds(white, white.fit(), trial) == may_be
+
+
+@pytest.mark.parametrize(
+    ("times", "most"), [(2.0, "at most"), (0.3, "at least"), (1.0, None)], ids=["larger", "smaller", "as it says"]
+)
+def test_a_bound_that_is_missed_is_told_with_its_parameter(found, times, most):
+    """Reached 0, needed 1 said neither which parameter nor which bound."""
+    white = found.final.outcome.white
+    candidate = Candidate("actuation_delay", 1, None, {"delay": 0.01, "lag": 0})
+    term = term_of(white, candidate)
+    targets = [y + times * term.blocks[a][:, 0] if a == 1 else y for a, y in enumerate(white.targets)]
+    told = acceptance.bound_missed(white, replace(white, targets=targets).fit(), Named(candidate, term, None, 99.0))
+    if most is None:
+        assert told is None
+        return
+    gate, reached, needed = told
+    assert gate == f"torque that fits over that of its delay, {most}"
+    assert reached == pytest.approx(times, abs=0.2)
+    assert needed == pytest.approx(white.problem.settings.off_scale ** (1 if times > 1 else -1))
+    spring = get_effect("joint_flexibility")
+    assert spring.beyond({"damping": 1.2}) == ("its damping [1], at most", 1.2, 1.0)
+    assert spring.beyond({"damping": float("nan")})[0] == "its damping [1], at least"
+    assert spring.beyond({"damping": 0.015}) is None
 
 
 def delay_with_form(found):

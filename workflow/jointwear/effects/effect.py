@@ -198,10 +198,16 @@ class Effect:
 
     def possible(self, parameters: Parameters) -> bool:
         """Return whether every parameter lies within its bounds, and all agree: no friction that drives."""
+        return self.beyond(parameters) is None and self.agree(parameters)
+
+    def beyond(self, parameters: Parameters) -> tuple[str, float, float] | None:
+        """Return the first parameter beyond a bound, as a name with its unit, its value and the bound; None if none."""
         for p in self.parameters:
-            if not p.lower <= parameters.get(p.name, p.default) <= p.upper:
-                return False
-        return self.agree(parameters)
+            value = parameters.get(p.name, p.default)
+            if not p.lower <= value <= p.upper:
+                most, bound = ("at most", p.upper) if value > p.upper else ("at least", p.lower)
+                return f"its {p.name} [{p.unit}], {most}", float(value), float(bound)
+        return None
 
     def bounded(self, parameters: Parameters) -> dict[str, Any]:
         """Return `parameters` moved to the nearest values that a robot file takes; tables are left alone."""

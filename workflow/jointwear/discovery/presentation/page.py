@@ -12,7 +12,7 @@ from jointwear.effects import library
 from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
 from jointwear.files.text_files import replace_text
-from jointwear.files.wording import listed, numbered
+from jointwear.files.wording import digits_apart, listed, numbered
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import number, percent, with_std
 from jointwear.publishing.report.rendering import render_page
@@ -323,6 +323,7 @@ def write_page(
         "lead": lead(content),
         "library": effects,
         "number": number,
+        "digits_apart": digits_apart,
         "figures": {name: inline_svg(path, name.replace("_", "-")) for name, path in files.items()},
         "files": {name: Path(path).relative_to(Path(output).parent).as_posix() for name, path in files.items()},
         "single": single,

@@ -34,6 +34,8 @@ from jointwear.effects import get_effect
 
 #: The gate that asks every record alone.
 ONE_RECORD = "nats gained on the record left out that gains least"
+#: The gate of parameters that lie within their bounds each, but are not those of such an effect together.
+BOUNDS = "its parameters within their bounds"
 
 
 def follows_time(candidate: Candidate) -> bool:
@@ -161,7 +163,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         return failed + _mass_refusals(white, before, trial)
     half = 0.5 * settings.accept
     beside = white.fit(before)
-    gates = [("its parameters within their bounds", float(within_bounds(white, beside, trial)), 1.0)]
+    beyond = bound_missed(white, beside, trial)
+    gates = []
     if trial.candidate.axis is not None:
         if follows_time(trial.candidate):
             gates.append(("nats gained on the last record left out", found.last, -half))
@@ -199,7 +202,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == INERTIAL else t for t in white.base]
         b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
         gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))
-    return failed + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
+    bounds = [] if beyond is None else [_refused(trial, *beyond)]
+    return failed + bounds + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
 
 
 def nats_without_witnesses(white: White, before: list[Term], one: Named, witnesses: Collection[int]) -> float:
@@ -348,22 +352,33 @@ def _nats_with_swing(white: White, beside: Fit, trial: Named) -> float:
 
 
 def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
-    """Return whether the parameters of an effect, fitted beside a fit, are those of such an effect.
+    """Return whether the parameters of an effect, fitted beside a fit, are those of such an effect."""
+    return bound_missed(white, beside, trial) is None
+
+
+def bound_missed(white: White, beside: Fit, trial: Named) -> tuple[str, float, float] | None:
+    """Return the bound that a parameter of an effect, fitted beside a fit, lies beyond, in words, with the value of the
+    parameter and of the bound; None if none does.
 
     Asked of effects of one unknown, and of what a robot cannot lose because it has no more of it.
     """
     if trial.candidate.effect == LINK_MASS:
-        return True
+        return None
     effect = get_effect(trial.candidate.effect)
     if effect.least is not None:
-        return _above_least(white, beside, trial)
+        return None if _above_least(white, beside, trial) else (BOUNDS, 0.0, 1.0)
     if len(trial.term.std) > 1:
-        return True
+        return None
     size = posterior_mean(*beside.gram(trial.term.blocks), trial.term.std)
-    off = white.problem.settings.off_scale
-    if effect.scaled and not 1 / off < size[0] < off:
-        return False
-    return possible(effect, trial.candidate.nonlinear, size)
+    off, sized = white.problem.settings.off_scale, float(size[0])
+    if effect.scaled and not 1 / off < sized < off:
+        most, bound = ("at most", off) if sized > 1 else ("at least", 1 / off)
+        return f"torque that fits over that of its {effect.scaled}, {most}", sized, bound
+    nonlinear = trial.candidate.nonlinear
+    if possible(effect, nonlinear, size):
+        return None
+    found = effect.beyond(effect.parameters_of(nonlinear, size))
+    return found if found is not None and np.isfinite(found[1]) else (BOUNDS, 0.0, 1.0)
 
 
 def _above_least(white: White, beside: Fit, trial: Named) -> bool:

@@ -25,11 +25,11 @@ from jointwear.discovery.problem.candidates import (
 )
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.acceptance import (
+    bound_missed,
     nats_without_witnesses,
     of_drive,
     predictive,
     refusals,
-    within_bounds,
 )
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.forms_beyond import of_another_form
@@ -409,13 +409,9 @@ def _predicting(outcome: Outcome, named: list[Named]) -> list[Named]:
     def others(one: Named) -> list[Term]:
         return [t for n in named for t in n.terms if n is not one]
 
-    within = [n for n in named if within_bounds(white, white.fit(others(n)), n)]
-    outcome.refusals += [
-        Refusal(n.candidate, n.evidence, "its parameters within their bounds", 0.0, 1.0)
-        for n in named
-        if not any(n is x for x in within)
-    ]
-    named = within
+    beyond = [bound_missed(white, white.fit(others(n)), n) for n in named]
+    outcome.refusals += [Refusal(n.candidate, n.evidence, *b) for n, b in zip(named, beyond, strict=True) if b]
+    named = [n for n, b in zip(named, beyond, strict=True) if b is None]
     while named:
         found = [predictive(white, others(n), n) for n in named]
         failed = [(result.nats, gates, n) for n, (result, gates) in zip(named, found, strict=True) if gates]

@@ -27,7 +27,7 @@ from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.discovery.structure import Basis
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
-from jointwear.files.wording import numbered
+from jointwear.files.wording import digits_apart, numbered, significant
 
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
@@ -291,7 +291,9 @@ def stand_alone(outcome: Outcome) -> None:
         found, failed = predictive(outcome.white, others, one)
         share = found.share if failed else _share(outcome, others, one, found)
         if failed:
-            reason = f"{failed[0].gate}: {failed[0].reached:.3g}, needed {failed[0].needed:.3g}"
+            gate, reached, needed = failed[0].gate, failed[0].reached, failed[0].needed
+            digits = digits_apart(reached, needed)
+            reason = f"{gate}: {significant(reached, digits)}, needed {significant(needed, digits)}"
         elif share <= MOST and _shaken(one):
             # The bases of structure hold no rates of torque: beside them it would pass whatever it stands for.
             reason = f"explains {100 * share:.0f} % of what {where} lacks, and structure is left there"
