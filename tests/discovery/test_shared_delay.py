@@ -160,6 +160,9 @@ def test_torque_is_read_later_within_each_trajectory():
     assert "2 ms early (0.50 of a sampling period)" in unsure
     assert "unexplained" in unsure
     assert "that is how the log is sampled" not in unsure
+    beside = delay_in_words(-0.002, 0.004, named=True)
+    assert "recorded about 2 ms early (0.50 of a sampling period), as far as that can be told" in beside
+    assert "that is how the log is sampled" not in beside
 
 
 def _curves(monkeypatch, model, recorded):

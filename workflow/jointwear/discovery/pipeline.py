@@ -177,7 +177,8 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
             delay = 0.0
         if delay == read:
             break
-    return log, outcome, [delay_in_words(read, period, bool(outcome.unexplained))] if read else []
+    words = delay_in_words(read, period, bool(outcome.unexplained), bool(outcome.named))
+    return log, outcome, [words] if read else []
 
 
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:

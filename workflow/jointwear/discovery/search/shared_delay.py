@@ -257,17 +257,23 @@ def without_delay(recording: Recording, delay: float, steps: Steps | None = None
     return replace(recording, torque=torque)
 
 
-def delay_in_words(delay: float, period: float, unexplained: bool = False) -> str:
-    """Return what is told of a delay [s] that all joints share.
+def delay_in_words(delay: float, period: float, unexplained: bool = False, named: bool = False) -> str:
+    """Return what is told of a delay [s] that all joints share; of how well it is known nothing is.
 
     `unexplained` : whether structure without a name is left: a shaking floor may look like a delay of all joints.
+    `named` : whether effects have names, which take over some of a delay or give it some of theirs.
     """
     way = "late" if delay > 0 else "early"
-    found = f"{1e3 * abs(delay):.2g} ms {way} ({abs(delay) / period:.2f} of a sampling period)"
+    found = f"about {1e3 * abs(delay):.2g} ms {way} ({abs(delay) / period:.2f} of a sampling period)"
     if unexplained:
         return (
             f"the torque of all joints fits best as recorded {found}, and is read so: that may be how the log is "
             "sampled, or come of what stays unexplained"
+        )
+    if named:
+        return (
+            f"the torque of all joints is recorded {found}, as far as that can be told beside the effects that have a "
+            "name: that is most likely how the log is sampled, and it is read so"
         )
     return (
         f"the torque of all joints is recorded {found}: that is how the log is sampled, and it is read at the right "
