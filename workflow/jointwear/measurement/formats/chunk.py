@@ -14,6 +14,7 @@ from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import with_log_name
+from jointwear.measurement.late_samples import LATE
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
 from jointwear.measurement.units import CURRENTS, SHARES, UNITS, converted, spelled
 
@@ -318,16 +319,17 @@ def _check_apart(path: Path, role: str, apart: list[str], layout: Layout) -> Non
 
 def _in_seconds(time: np.ndarray, stated: bool) -> tuple[np.ndarray, bool]:
     """Return times (m,) [s], and whether they count from 1970; `stated` says that their unit is."""
-    known = np.sort(time[np.isfinite(time)])
+    known = time[np.isfinite(time)]
     if not len(known):
         return time, False
-    # One stamp of a clock that was not set yet decides nothing.
-    middle = known[len(known) // 2]
-    if not stated:
-        # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
-        size = next((k for k in _EPOCHS if UNIX_TIMES[0] * k <= middle < UNIX_TIMES[1] * k), 1.0)
-        time, middle = time / size, middle / size
-    return time, bool(UNIX_TIMES[0] <= middle < UNIX_TIMES[1])
+    # Milliseconds, microseconds or nanoseconds since 1970 can be nothing else: no other clock reads so much.
+    sizes = (1.0,) if stated else (1.0, *_EPOCHS)
+    kinds = np.array([(UNIX_TIMES[0] * k <= known) & (known < UNIX_TIMES[1] * k) for k in sizes])
+    kind = np.where(kinds.any(axis=0), kinds.argmax(axis=0), len(sizes))
+    # A few stamps of a clock that was not set yet decide nothing.
+    shared = np.bincount(kind)[kind] > LATE
+    of = int(kind[np.argmax(shared)])
+    return time / (*sizes, 1.0)[of], of < len(sizes)
 
 
 def _of_joints(path: Path, role: str, array: np.ndarray, count: int, axes: int, layout: Layout) -> np.ndarray:
