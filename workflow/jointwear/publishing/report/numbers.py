@@ -68,9 +68,9 @@ def with_std(value: float | None, std: float | None, plus: bool = False) -> str:
     return f"{fixed(value, decimals, plus)} ± {fixed(std, decimals)}"
 
 
-def percent(share: float | None, decimals: int = 0) -> str:
-    """Return a share as percent."""
-    return MISSING if is_missing(share) else f"{fixed(100 * share, decimals)}{_THIN}%"
+def percent(share: float | None, decimals: int = 0, plus: bool = False) -> str:
+    """Return a share as percent; with its sign where `plus`."""
+    return MISSING if is_missing(share) else f"{fixed(100 * share, decimals, plus)}{_THIN}%"
 
 
 def span(low: float | None, high: float | None, decimals: int) -> str:
