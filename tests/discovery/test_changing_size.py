@@ -13,6 +13,7 @@ from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.search.changing_size import CHANGING, changing
 from jointwear.discovery.search.leftovers import stand_alone
 from jointwear.discovery.search.slow_noise import beside_slow_noise
+from jointwear.effects import get_effect
 
 AXIS = 2
 SPRING = Candidate("joint_spring", AXIS, None, {"centre": 0.0, "low": -9.0, "high": 9.0})
@@ -66,8 +67,13 @@ def test_a_size_that_swings_by_less_than_half_keeps_its_name(white):
     assert changing(outcome, outcome.named[0]) is None
 
 
-def test_what_follows_the_time_is_not_asked(white):
-    candidate = Candidate("torque_offset_drift", AXIS, None, {"start": 0.0, "time_constant": 60.0})
+@pytest.mark.parametrize(
+    ("effect", "form"),
+    [("torque_offset_drift", {"start": 0.0, "time_constant": 60.0}), ("temperature_dependent_coulomb_friction", None)],
+)
+def test_what_follows_the_time_or_the_temperature_is_not_asked(white, effect, form):
+    form = get_effect(effect).grid(white.problem.train_state, AXIS)[0] if form is None else form
+    candidate = Candidate(effect, AXIS, None, form)
     outcome = _outcome(white, candidate, 1.0 * (np.mod(white.problem.train_state.time, 10.0) < 5.0))
     assert changing(outcome, outcome.named[0]) is None
 

@@ -10,6 +10,7 @@ from jointwear.discovery.linear import chi_square, least_squares
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.search.acceptance import follows_time, of_late_torque, of_timing
 from jointwear.discovery.structure import TIME_BIN, time_bins
+from jointwear.effects import get_effect
 
 #: Spread of its size over time, beside its mean, from which an effect is not the same throughout: half, as of what is
 #: there for four fifths of the time.
@@ -22,7 +23,8 @@ def changing(outcome: Outcome, one: Named) -> float | None:
     The parameters of an effect are constants: a part that a gripper lets go, or a brake that drags at times, is half of
     itself on average and of no name. The torque that the fit gives the effect is asked anew in every `TIME_BIN` of each
     record; what noise moves those sizes by is taken off their spread, each bin counts by the square of that torque. An
-    effect that follows the time may change, and an elastic gear is asked for by its shape, not by its size.
+    effect that follows the time, or a temperature as it changes with time, may change; an elastic gear is asked for by
+    its shape, not by its size.
 
     Most of what a delay changes looks like friction and inertia, which take its mean over but not what varies about it.
     There the spread is told by what it is worth in nats, beside the delay itself.
@@ -30,6 +32,8 @@ def changing(outcome: Outcome, one: Named) -> float | None:
     candidate, white, fit = one.candidate, outcome.white, outcome.fit
     late = of_late_torque(candidate)
     if candidate.effect == LINK_MASS or follows_time(candidate) or (of_timing(candidate) and not late):
+        return None
+    if get_effect(candidate.effect).follows_temperature:
         return None
     where = next(w for t, w in zip(fit.terms, fit.slices, strict=True) if t is one.term)
     bins = time_bins(outcome.problem.train_state, TIME_BIN)
