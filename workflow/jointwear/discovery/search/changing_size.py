@@ -22,9 +22,10 @@ def changing(outcome: Outcome, one: Named) -> float | None:
 
     The parameters of an effect are constants: a part that a gripper lets go, or a brake that drags at times, is half of
     itself on average and of no name. The torque that the fit gives the effect is asked anew in every `TIME_BIN` of each
-    record; what noise moves those sizes by is taken off their spread, each bin counts by the square of that torque. An
-    effect that follows the time, or a temperature as it changes with time, may change; an elastic gear is asked for by
-    its shape, not by its size.
+    record; what noise moves those sizes by is taken off their spread, each bin counts by the square of that torque. And
+    the change has to be worth more than the effect is, as of what is there for half of the time: bins of time take up
+    some of whatever else a model lacks. An effect that follows the time, or a temperature as it changes with time, may
+    change; an elastic gear is asked for by its shape, not by its size.
 
     Most of what a delay changes looks like friction and inertia, which take its mean over but not what varies about it.
     There the spread is told by what it is worth in nats, beside the delay itself.
@@ -49,7 +50,7 @@ def changing(outcome: Outcome, one: Named) -> float | None:
     known = 1.0 + np.sqrt(2.0 / max(sum(len(x) for x in blocks.values()), 1))
     p = float(gammaincc(freedom / 2, statistic / 2 / known)) if freedom else 1.0
     nats = 0.5 * (statistic - freedom)
-    if p >= settings.unexplained_p or nats <= settings.accept:
+    if p >= settings.unexplained_p or nats <= (settings.accept if late else max(settings.accept, one.evidence)):
         return None
     if late:
         spread = float(np.sqrt(nats / one.evidence))
