@@ -223,11 +223,10 @@ def _held_out_alone(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[st
     """Say which axes disagree with the model in the test trajectories alone, in one sentence or none."""
     if not axes:
         return []
-    largest = max(a.ratio for a in above if a.axis in axes)
     words = (
-        f"{numbered('joint', axes)}: the test trajectories disagree with the model by up to {largest:.2g} times the "
-        "noise, the training trajectories do not; look whether the records of the test trajectories are sound (torque "
-        "and motion of one record, sign, unit, the same robot), or whether something acts there alone"
+        f"{numbered('joint', axes)}: {_disagreement(axes, above)}, the training trajectories do not; look whether the "
+        "records of the test trajectories are sound (torque and motion of one record, sign, unit, the same robot), or "
+        "whether something acts there alone"
     )
     return [words]
 
@@ -245,12 +244,17 @@ def _without_a_name(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[st
     """Say which axes lack something for which an effect is only suspected, in one sentence or none."""
     if not axes:
         return []
-    largest = max(a.ratio for a in above if a.axis in axes)
     words = (
         f"{numbered('joint', axes)}: what the model lacks is like a suspected effect, but none of the library describes"
-        f" it; the test trajectories disagree with the model by up to {largest:.2g} times the noise"
+        f" it; {_disagreement(axes, above)}"
     )
     return [words]
+
+
+def _disagreement(axes: Sequence[int], above: Sequence[AboveNoise]) -> str:
+    """Say by how much the test trajectories of some axes, from 1, disagree with the model."""
+    largest = max(a.ratio for a in above if a.axis in axes)
+    return f"the test trajectories disagree with the model by up to {largest:.2g} times the noise"
 
 
 def _places(candidate: Candidate) -> dict[str, int | None]:

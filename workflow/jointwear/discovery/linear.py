@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
+from scipy.special import gammaincc
 
 #: Share of the square of a direction of columns that other terms have to leave for it to be free.
 FREE = 1e-3
@@ -94,6 +95,10 @@ class Fit:
         """Return the place of the coefficients of the first term of a label, None without such a term."""
         return next((w for t, w in zip(self.terms, self.slices, strict=True) if t.label == label), None)
 
+    def coefficients(self, term: Term) -> np.ndarray | None:
+        """Return the fitted coefficients (k,) of a term, None where it is none of the fit's own."""
+        return next((self.theta[w] for t, w in zip(self.terms, self.slices, strict=True) if t is term), None)
+
     def projected(self, blocks: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return b = X'r (k,) and V (k, p) with X'M X = X'X - V V', of columns X on one or more axes."""
         count = next(iter(blocks.values())).shape[1]
@@ -167,6 +172,18 @@ def chi_square(b: np.ndarray, gram: np.ndarray, full: np.ndarray) -> tuple[float
     """
     values, turned, _ = _free(b, gram, full)
     return float(np.sum(turned**2 / values)), len(values)
+
+
+def chance(statistic: float, freedom: int, samples: int) -> tuple[float, float]:
+    """Return the probability that noise alone gives a chi-square on so many samples, and what it is worth [nats].
+
+    Parameters
+    ----------
+    statistic, freedom : of :func:`chi_square`, freedom not 0.
+    """
+    # The variance of the noise is estimated too, to sqrt(2 / samples): a chi-square is known no better.
+    known = 1.0 + np.sqrt(2.0 / samples)
+    return float(gammaincc(freedom / 2, statistic / 2 / known)), 0.5 * (statistic - freedom)
 
 
 def fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:

@@ -37,10 +37,10 @@ def carrying(outcome: Outcome) -> Problem | None:
     carried, wider = np.zeros_like(state.torque), {}
     for one in outcome.named:
         effect = get_effect(one.candidate.effect) if one.candidate.axis is None else None
-        where = next((w for t, w in zip(fit.terms, fit.slices, strict=True) if t is one.term), None)
-        if effect is None or effect.sound is None or where is None:
+        found = fit.coefficients(one.term)
+        if effect is None or effect.sound is None or found is None:
             continue
-        found, std = fit.theta[where], effect.prior(problem.robot)
+        std = effect.prior(problem.robot)
         carried += effect.columns(state, None, None, one.candidate.nonlinear) @ found
         away = float(np.max(np.abs(found) / std))
         if away > settings.mass_sigmas:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import gammaincc
 
 from jointwear.discovery.estimates.outcome import Named, Outcome
-from jointwear.discovery.linear import chi_square, least_squares
+from jointwear.discovery.linear import chance, chi_square, least_squares
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.search.acceptance import follows_time, of_late_torque, of_timing
 from jointwear.discovery.structure import TIME_BIN, time_bins
@@ -36,20 +35,19 @@ def changing(outcome: Outcome, one: Named) -> float | None:
         return None
     if get_effect(candidate.effect).follows_temperature:
         return None
-    where = next(w for t, w in zip(fit.terms, fit.slices, strict=True) if t is one.term)
+    size = fit.coefficients(one.term)
     bins = time_bins(outcome.problem.train_state, TIME_BIN)
-    torques = {axis: columns @ fit.theta[where] for axis, columns in one.term.blocks.items()}
+    torques = {axis: columns @ size for axis, columns in one.term.blocks.items()}
     blocks = {axis: torque[:, None] * bins[white.whiteners[axis].rows] for axis, torque in torques.items()}
     held = sum(np.sum(x**2, axis=0) for x in blocks.values()) > 0
     blocks = {axis: x[:, held] for axis, x in blocks.items()}
     full = sum(x.T @ x for x in blocks.values())
     b, gram = fit.gram(blocks)
     statistic, freedom = chi_square(b, gram, full)
+    if not freedom:
+        return None
     settings = outcome.problem.settings
-    # The variance of the noise is estimated too, to sqrt(2 / samples).
-    known = 1.0 + np.sqrt(2.0 / max(sum(len(x) for x in blocks.values()), 1))
-    p = float(gammaincc(freedom / 2, statistic / 2 / known)) if freedom else 1.0
-    nats = 0.5 * (statistic - freedom)
+    p, nats = chance(statistic, freedom, sum(len(x) for x in blocks.values()))
     if p >= settings.unexplained_p or nats <= (settings.accept if late else max(settings.accept, one.evidence)):
         return None
     if late:

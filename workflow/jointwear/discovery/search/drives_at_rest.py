@@ -18,12 +18,12 @@ def at_rest(outcome: Outcome, axis: int) -> np.ndarray:
     """
     problem, whitener = outcome.problem, outcome.white.whiteners[axis]
     state, mask = problem.train_state, np.zeros(len(whitener.rows), dtype=bool)
-    for term, where in zip(outcome.fit.terms, outcome.fit.slices, strict=True):
-        one = next((n.candidate for n in outcome.named if n.term is term), None)
-        if one is None or one.axis != axis or one.effect == LINK_MASS or not get_effect(one.effect).rubs:
+    for named in outcome.named:
+        one, size = named.candidate, outcome.fit.coefficients(named.term)
+        if size is None or one.axis != axis or one.effect == LINK_MASS or not get_effect(one.effect).rubs:
             continue
         own, other = one.nonlinear["own"], one.nonlinear["other"]
         speed = own * state.velocity[:, axis] + other * state.velocity[:, one.source]
-        between = 2.0 * float(outcome.fit.theta[where][0]) * (np.abs(speed) < assumed.STICKS)
+        between = 2.0 * float(size[0]) * (np.abs(speed) < assumed.STICKS)
         mask |= np.abs(whitener(between)) > problem.settings.noise_sigmas
     return mask

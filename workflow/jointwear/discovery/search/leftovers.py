@@ -6,12 +6,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import gammaincc
 from scipy.stats import median_abs_deviation
 
 from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.linear import Fit, Term, chi_square, least_squares
+from jointwear.discovery.linear import Fit, Term, chance, chi_square, least_squares
 from jointwear.discovery.problem.candidates import LINK_MASS, Seen, of_bases, raw_columns, resolved_bases
 from jointwear.discovery.problem.instruments import torque_noise
 from jointwear.discovery.problem.unresolved_steps import at_unresolved_steps
@@ -72,7 +71,7 @@ def unexplained(
             statistic, freedom = chi_square(b, gram, seen.full)
             if not freedom:
                 continue
-            p, nats = _chance(white, axis, statistic, freedom)
+            p, nats = chance(statistic, freedom, len(white.targets[axis]))
             rows = white.whiteners[axis].rows
             low, high = _where(basis, seen, rows)
             share = (high - low) / max(float(np.ptp(basis.values[rows])), 1e-300)
@@ -158,13 +157,6 @@ def _shown_as_motion(white: White, axis: int, line: Line, density: float) -> flo
     return line.power * density / as_torque if as_torque > 0 else np.inf
 
 
-def _chance(white: White, axis: int, statistic: float, freedom: int) -> tuple[float, float]:
-    """Return the probability that noise alone gives a chi-square on one axis, and what it is worth [nats]."""
-    # The variance of the noise is estimated too, to sqrt(2 / samples): a chi-square is known no better.
-    known = 1.0 + np.sqrt(2.0 / len(white.targets[axis]))
-    return float(gammaincc(freedom / 2, statistic / 2 / known)), 0.5 * (statistic - freedom)
-
-
 def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np.ndarray) -> bool:
     """Return whether structure on one axis is half as sure without the time, a block long, that gains most from it.
 
@@ -190,7 +182,7 @@ def _elsewhere(white: White, fit: Fit, axis: int, columns: np.ndarray, theta: np
     statistic, freedom = chi_square(b + rest.T @ back, gram, rest.T @ rest)
     if not freedom:
         return False
-    p, nats = _chance(white, axis, statistic, freedom)
+    p, nats = chance(statistic, freedom, len(white.targets[axis]))
     return p < np.sqrt(settings.unexplained_p) and nats > 0.5 * settings.accept
 
 
@@ -352,7 +344,7 @@ def left_open(outcome: Outcome, one: Named) -> list[int]:
         return []
     if one.candidate.axis is not None:
         return [one.candidate.axis] if one.candidate.axis in still else []
-    size = _coefficients(outcome.fit, one)
+    size = outcome.fit.coefficients(one.term)
     energy = {axis: float(np.sum((columns @ size) ** 2)) for axis, columns in one.term.blocks.items()}
     moved = [axis for axis, e in energy.items() if e > outcome.problem.settings.visible]
     left = [axis for axis in moved if axis in still]
@@ -374,7 +366,7 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
         return None
     settings, fit = outcome.problem.settings, outcome.fit
     columns = raw_columns(white, candidate)
-    own = _rms(columns @ _coefficients(fit, one), outcome.problem.usable[:, candidate.axis])
+    own = _rms(columns @ fit.coefficients(one.term), outcome.problem.usable[:, candidate.axis])
     for axis in sorted({u.axis for u in outcome.unexplained} - {candidate.axis}):
         x, residual = white.columns(axis, columns), fit.residual[axis]
         b, gram = fit.gram({axis: x})
@@ -386,11 +378,6 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
         if _rms(there, outcome.problem.usable[:, axis]) > settings.usual * own:
             return axis
     return None
-
-
-def _coefficients(fit: Fit, one: Named) -> np.ndarray:
-    """Return the fitted coefficients of the columns of an effect that is in the model."""
-    return next(fit.theta[where] for term, where in zip(fit.terms, fit.slices, strict=True) if term is one.term)
 
 
 def _rms(values: np.ndarray, where: np.ndarray) -> float:
