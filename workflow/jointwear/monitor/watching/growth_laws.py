@@ -27,12 +27,31 @@ TOLD, SCALE = 0.9, 0.15
 POINTS = ((-1.35, 0.25), (0.0, 0.5), (1.35, 0.25))
 
 
-def growth_laws(x: np.ndarray, bends: np.ndarray = BENDS) -> np.ndarray:
-    """Return growth over that at the limit (b, ...) at times x (...) since the onset over those of the limit."""
+def ways(start: float, now: float, lengths: np.ndarray = LENGTHS) -> tuple[np.ndarray, np.ndarray]:
+    """Return the onsets (o,) [h] between the end of the normal period `start` [h] and `now` [h], and the times (o, l)
+    [h] from each to the limit; `lengths` (l,): over that to now."""
+    onset = start + ONSETS * (now - start)
+    return onset, (now - onset)[:, None] * lengths
+
+
+def laws_at(time: np.ndarray, onset: np.ndarray, length: np.ndarray, bends: np.ndarray = BENDS) -> np.ndarray:
+    """Return growth over that at the limit (b, o, l, s) at times (s,) [h] on :func:`ways`, 0 before the onset."""
+    x = np.maximum(time - onset[:, None], 0.0)[:, None, :] / length[..., None]
     bend = bends.reshape(-1, *[1] * x.ndim)
     straight = np.abs(bend) < 1e-9
     safe = np.where(straight, 1.0, bend)
     return np.where(straight, x, np.expm1(np.minimum(safe * x, 300.0)) / np.expm1(safe))
+
+
+def prior_of_lengths(lengths: np.ndarray = LENGTHS) -> np.ndarray:
+    """Return the log (l,) of how likely times to the limit are a priori, up to a constant."""
+    return -HASTE * np.log(lengths)
+
+
+def sizes(limit: float) -> list[tuple[float, float]]:
+    """Return what the limit may be in the growth that is told, `limit` as it most likely is, each with the log of its
+    weight."""
+    return [(limit * np.exp(SCALE * point), np.log(weight)) for point, weight in POINTS]
 
 
 def prior_of_bends(bends: np.ndarray = BENDS) -> np.ndarray:

@@ -14,16 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.monitor.watching.growth_laws import (
-    HASTE,
-    LENGTHS,
-    ONSETS,
-    POINTS,
-    SCALE,
-    TOLD,
-    growth_laws,
-    prior_of_bends,
-)
+from jointwear.monitor.watching.growth_laws import TOLD, laws_at, prior_of_bends, prior_of_lengths, sizes, ways
 from jointwear.monitor.watching.standstill import standstill
 
 #: Probability a priori that growth comes to rest below the limit, at one of these shares of it.
@@ -77,19 +68,15 @@ def forecast_shifts(
     size = np.maximum(np.minimum(y, 3 * limit), 0.0)
     covariance = np.diag(v + (UNEVEN * size) ** 2) + shared**2
     precision = np.linalg.inv(covariance)
-    onset = start + ONSETS * (now - start)
-    length = (now - onset)[:, None] * LENGTHS
-    law = growth_laws(
-        np.maximum(t - onset[:, None], 0.0)[:, None, :] / length[..., None]
-    )  # (b, o, l, s), 1 at the limit
+    onset, length = ways(start, now)
+    law = laws_at(t, onset, length)
     projected = law @ precision
     match, norm = projected @ y, np.einsum("bols,bols->bol", projected, law)
-    prior = np.log((1 - REST) * prior_of_bends())[:, None, None] - HASTE * np.log(LENGTHS)
-    ends = [(limit * np.exp(SCALE * point), np.log(weight)) for point, weight in POINTS]
-    reaching = np.array([end * match - 0.5 * end**2 * norm + prior + weight for end, weight in ends])
+    prior = np.log((1 - REST) * prior_of_bends())[:, None, None] + prior_of_lengths()
+    reaching = np.array([end * match - 0.5 * end**2 * norm + prior + weight for end, weight in sizes(limit)])
     # The law that bends most to rest, towards an end below the limit.
     resting = np.array([limit * q * match[0] - 0.5 * (limit * q) ** 2 * norm[0] for q in RESTS])
-    resting += np.log(REST / len(RESTS)) - HASTE * np.log(LENGTHS)
+    resting += np.log(REST / len(RESTS)) + prior_of_lengths()
     largest = max(reaching.max(), resting.max())
     weight = np.exp(reaching - largest).sum(axis=(0, 1)).ravel()
     left = (onset[:, None] + length - now).ravel()

@@ -16,14 +16,13 @@ from scipy.special import logsumexp
 
 from jointwear.monitor.watching.growth_laws import (
     BENDS,
-    HASTE,
     LENGTHS,
-    ONSETS,
-    POINTS,
-    SCALE,
     TOLD,
-    growth_laws,
+    laws_at,
     prior_of_bends,
+    prior_of_lengths,
+    sizes,
+    ways,
 )
 
 #: Probability a priori that growth has come to a standstill between two of the shifts (docs/decisions/forecasts.md).
@@ -66,11 +65,8 @@ def standstill(
     after = np.unique(np.geomspace(FEWEST, len(time) - 2, MOST).round().astype(int))
     before = len(time) - after[::-1]
     stop = 0.5 * (time[before] + time[before - 1])
-    onset = start + ONSETS * (now - start)
-    length = (now - onset)[:, None] * _LENGTHS
-    law, at_stop = (
-        growth_laws(np.maximum(t - onset[:, None], 0.0)[:, None, :] / length[..., None], _BENDS) for t in (time, stop)
-    )  # (b, o, l, s) and (b, o, l, m), 1 at the limit
+    onset, length = ways(start, now, _LENGTHS)
+    law, at_stop = (laws_at(t, onset, length, _BENDS) for t in (time, stop))  # (b, o, l, s) and (b, o, l, m)
     weight = 1.0 / (variance + (UNEVEN * growth) ** 2)
 
     def sums(values: np.ndarray, stopped: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -81,7 +77,7 @@ def standstill(
 
     match, of_one = (sums(law, at_stop, w) for w in (weight * growth, weight))
     norm = sums(law**2, at_stop**2, weight)
-    prior = np.log(prior_of_bends(_BENDS))[:, None, None, None] - HASTE * np.log(_LENGTHS)[:, None]
+    prior = np.log(prior_of_bends(_BENDS))[:, None, None, None] + prior_of_lengths(_LENGTHS)[:, None]
     chance = np.append(np.full(len(before), np.log(STOPPED / len(before))), np.log(1 - STOPPED))
     chance[:-1][~_slow(time, growth, weight, before, stop - start)] = -np.inf
     begun = np.append(stop, np.inf) > onset[:, None, None]
@@ -131,9 +127,8 @@ def _evidence(
         common = shared**2 / (factor**2 + shared**2 * factor * total)
         own = -0.5 * (square / factor - common * mean**2)
         own -= 0.5 * (len(weight) * np.log(factor) + np.log1p(shared**2 * total / factor))
-        for point, share in POINTS:
-            size = limit * np.exp(SCALE * point)
+        for size, share in sizes(limit):
             fit = size * (match / factor - common * of_one * mean)
             fit -= 0.5 * size**2 * (norm / factor - common * of_one**2)
-            result.append(prior + fit + own + np.log(share))
+            result.append(prior + fit + own + share)
     return np.array(result)
