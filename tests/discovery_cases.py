@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from jointwear.discovery import Recording
@@ -79,3 +81,14 @@ def coarse(robot, seed=0, step=2 * np.pi / 2**16, late=0.0, **told):
         parts.append((time + 6 * k, np.full(len(time), k), motion(time)[0], torque + noise))
     time, label, q, torque = (np.concatenate(x) for x in zip(*parts, strict=True))
     return Recording(time, label, step * np.round(q / step), torque, name="coarse", **told)
+
+
+def that_lacks(white, told):
+    """`white` with nothing left on any axis but what `told` {axis: (m,)} says, over the noise."""
+    odd = replace(white.problem, discrepancy=white.problem.discrepancy.copy())
+    targets = [np.zeros_like(y) for y in white.targets]
+    for axis, y in told.items():
+        whitener = white.whiteners[axis]
+        odd.discrepancy[np.flatnonzero(white.problem.train)[whitener.rows], axis] = whitener.marginal * y
+        targets[axis] = y
+    return replace(white, problem=odd, targets=targets)

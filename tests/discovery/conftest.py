@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from discovery_cases import coarse, make_case
 
-from jointwear.discovery import Settings
+from jointwear.discovery import Settings, discover
 from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
 from jointwear.discovery.problem.whitening import whiten
@@ -38,3 +38,15 @@ def rough(robot):
     recording = split(coarse(robot, step=2 * np.pi / 2**13))
     problem = build_problem(recording, robot, Settings())
     return whiten(problem, estimate_noise(problem))
+
+
+@pytest.fixture(scope="session")
+def rooted(robot):
+    """Friction of joint 3 that grows with the root of the speed in place of the viscous friction of the robot file."""
+
+    def root(q, v, *_):
+        full = np.zeros_like(q)
+        full[:, 2] = 4.0 * np.sqrt(np.abs(v[:, 2])) * np.sign(v[:, 2]) - robot.viscous[2] * v[:, 2]
+        return full
+
+    return discover(make_case(robot, 22, root), robot, Settings())
