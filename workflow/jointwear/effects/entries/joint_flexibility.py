@@ -41,7 +41,9 @@ def _lag(state, axis, p, axes):
     drag = 2.0 * p.get("damping", _DAMPING) * np.sqrt(stiffness * p["inertia"])
     key = "wind-up", axis, stiffness, drag
     keep = p["inertia_over_stiffness"] in _SWINGS
-    twist, acceleration = state.once(key, lambda: wind_up(state, load, inertia, stiffness, drag), keep)
+    twist, acceleration = state.once(
+        key, lambda: wind_up(state, load, inertia, stiffness, drag, by_angle[..., axis]), keep
+    )
     return -by_acceleration[:, axes] * acceleration[:, None] - by_angle[:, axes] * twist[:, None]
 
 
@@ -91,8 +93,8 @@ def _parameters_of(p, c):
 EFFECT = Effect(
     identifier="joint_flexibility",
     name="Joint flexibility",
-    equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; motor side: -M dw2/dt2 - (dg/dq) w, "
-    "J dw2/dt2 + D dw/dt + K w = tau_load",
+    equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; "
+    "motor side: -(M/J) d(J dw/dt)/dt - (dg/dq) w, d(J dw/dt)/dt + D dw/dt + (K + dg/dq) w = tau_load",
     parameters=(
         Parameter(
             "inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, or J/K with the inertia of the link: (period / 2 pi)^2"
