@@ -14,6 +14,8 @@ LEAST = 1e-9
 STRUCK = 8
 #: Least part of its stiffness that gravity leaves a gear: with less the link would topple.
 SOFTEST = 0.1
+#: Times of its damping after which a free swing, then a thousandth, says nothing more of the start of its record.
+FADED = 7.0
 
 
 def wind_up(
@@ -52,6 +54,8 @@ def wind_up(
     accelerations = (loads - back[:, None] * places - drag * speeds) / mass[:, None]
     # What a gear carries less what it would carry if it were rigid.
     felt = mass[:, None] * accelerations + (back - stiffness)[:, None] * places
+    since = state.time - np.repeat(state.time[starts], np.diff(np.append(starts, len(mass))))
+    felt[since * drag > FADED * 2.0 * mass] = 0.0
     free = _free_share(felt, starts)
     place = places[:, 0] - np.sum(free * places[:, 1:], axis=-1)
     acceleration = accelerations[:, 0] - np.sum(free * accelerations[:, 1:], axis=-1)
