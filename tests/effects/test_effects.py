@@ -184,6 +184,15 @@ def test_a_link_swings_as_its_inertia_changes_and_gravity_pulls_and_however_a_re
     assert np.std((true - column)[later]) < 0.05 * np.std(true[later])
 
 
+@pytest.mark.parametrize("drag", [0.0, 1e-3, 10.0, 80.0])
+@pytest.mark.parametrize("count", [2, 3, 9, 40])
+def test_a_swing_of_any_damping_and_length_is_finite(drag, count):
+    state = SimpleNamespace(time=0.02 * np.arange(count), record=np.zeros(count, int))
+    found = wind_up(state, np.linspace(3.0, 5.0, count), np.full(count, 0.4), 4000.0, drag)
+    assert np.isfinite(found).all()
+    assert np.abs(found[0]).max() <= 2 * 5.0 / 4000.0
+
+
 def test_a_gear_swings_in_each_record_as_if_it_were_alone():
     rng = np.random.default_rng(4)
     record = np.repeat([3, 5, 4, 6], [300, 1, 2, 200])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
@@ -48,70 +51,125 @@ def wind_up(
     for part in parts:
         pull[part][:STRUCK] = pull[min(part.start + STRUCK, part.stop - 1)]
     back = np.maximum(stiffness + np.broadcast_to(by_angle, mass.shape), SOFTEST * stiffness)
-    starts = np.array([part.start for part in parts], dtype=int)
-    places, speeds = _swung(state.time, pull, mass, back, drag, starts)
-    loads = np.stack([pull, np.zeros_like(pull), np.zeros_like(pull)], axis=-1)
-    accelerations = (loads - back[:, None] * places - drag * speeds) / mass[:, None]
-    # What a gear carries less what it would carry if it were rigid.
-    felt = mass[:, None] * accelerations + (back - stiffness)[:, None] * places
-    since = state.time - np.repeat(state.time[starts], np.diff(np.append(starts, len(mass))))
-    felt[since * drag > FADED * 2.0 * mass] = 0.0
-    free = _free_share(felt, starts)
-    place = places[:, 0] - np.sum(free * places[:, 1:], axis=-1)
-    acceleration = accelerations[:, 0] - np.sum(free * accelerations[:, 1:], axis=-1)
+    link = _Link(state.time, mass, back, drag, np.array([part.start for part in parts], dtype=int))
+    place, speed = link.driven(pull)
+    acceleration = (pull - back * place - drag * speed) / mass
+    early = (link.since * drag < FADED * 2.0 * mass) | (link.place < STRUCK)
+    first = link.part(early)
+    swings = first.free()
+    accelerations = [-(first.stiffness * p + drag * v) / first.mass for p, v in swings]
+
+    def felt(place: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """What a gear carries less what it would carry if it were rigid."""
+        return first.mass * acceleration + (first.stiffness - stiffness) * place
+
+    free = [felt(p, a) for (p, _), a in zip(swings, accelerations, strict=True)]
+    shares = _shares(felt(place[early], acceleration[early]), *free, first.starts)
+    for share, (swing, _), turn in zip(shares, swings, accelerations, strict=True):
+        place[early] -= share * swing
+        acceleration[early] -= share * turn
     for part in parts:
         if part.stop - part.start < 2:
             place[part] = acceleration[part] = 0.0
     return place, acceleration
 
 
-def _free_share(felt: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return how much (m, 2) of two free swings of its record, the last columns of `felt` (m, 3), is in the first."""
-    products = np.add.reduceat(felt[:, :, None] * felt[:, None, :], starts, axis=0)
-    free, driven = products[:, 1:, 1:], products[:, 1:, 0]
+def _shares(driven: np.ndarray, one: np.ndarray, other: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Return how much (2, m) of two free swings of its record is in a driven one, all (m,), by least squares."""
+    pairs = np.stack([one * one, one * other, other * other, one * driven, other * driven])
+    xx, xy, yy, xd, yd = np.add.reduceat(pairs, starts, axis=1)
+    both = np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
     # Records of a sample or two do not hold both.
-    shares = np.einsum("rij,rj->ri", np.linalg.pinv(free, rcond=1e-6, hermitian=True), driven)
-    return np.repeat(shares, np.diff(np.append(starts, len(felt))), axis=0)
+    found = np.linalg.pinv(both, rcond=1e-6, hermitian=True) @ np.stack([xd, yd], axis=-1)[..., None]
+    return np.repeat(found[..., 0].T, np.diff(np.append(starts, len(driven))), axis=1)
 
 
-def _swung(time, load, mass, stiffness, drag, starts) -> tuple[np.ndarray, np.ndarray]:
-    """Return places and speeds (m, 3) of an oscillator along records that begin at `starts`.
-
-    The first column is driven by `load`, the others swing freely from a place and from a speed.
+@dataclass(frozen=True)
+class _Link:
+    """An oscillator along records that begin at `starts`; time, mass and stiffness are (m,).
 
     All records are one system: what takes one sample to the next is none where a record begins.
     """
-    step = np.diff(time)
-    before = starts[1:] - 1
-    step[before] = 1.0
-    slope = np.append(np.diff(load) / step, 0.0)
-    slope[before] = 0.0
-    between, stiff = 0.5 * (mass[1:] + mass[:-1]), 0.5 * (stiffness[1:] + stiffness[:-1])
-    square, decay = stiff / between, drag / (2.0 * between)
-    turn = np.sqrt(np.maximum(square - decay**2, 1e-9 * square))
-    fade = np.exp(-decay * step)
-    cosine, sine = fade * np.cos(turn * step), fade * np.sin(turn * step) / turn
-    # About the motion that follows a straight load without swinging.
-    straight = slope[:-1]
-    start, rate = load[:-1] / stiff - straight * drag / stiff**2, straight / stiff
-    own, cross = cosine + decay * sine, sine
-    back, held = -square * sine, cosine - decay * sine
-    # It is the momentum that goes on where the inertia changes, in units of the swing so that entries are of one size.
-    unit = float(np.sqrt(np.mean(square)) * np.mean(between))
-    heavy = between / unit
-    count = len(time)
-    known = np.zeros((2 * count, 3), order="F")
-    known[2::2, 0] = start + rate * step - own * start - cross * rate
-    known[3::2, 0] = (rate - back * start - held * rate) * heavy
-    known[2 * starts, 0] = load[starts] / stiffness[starts]
-    known[2 * starts + 1, 0] = slope[starts] / stiffness[starts] * mass[starts] / unit
-    known[2 * starts, 1] = known[2 * starts + 1, 2] = 1.0
-    for share in (own, cross, back, held):
-        share[before] = 0.0
-    # Every sample follows from the one before: a triangle of four diagonals.
-    band = np.zeros((4, 2 * count), order="F")
-    band[0] = 1.0
-    band[2, 0:-2:2], band[1, 1:-2:2] = -own, -cross / heavy
-    band[3, 0:-2:2], band[2, 1:-2:2] = -back * heavy, -held
-    solved, _ = dtbtrs(band, known, uplo="L", diag="U")
-    return solved[::2], solved[1::2] * (unit / mass)[:, None]
+
+    time: np.ndarray
+    mass: np.ndarray
+    stiffness: np.ndarray
+    drag: float
+    starts: np.ndarray
+
+    @cached_property
+    def _start(self) -> np.ndarray:
+        """Row (m,) at which the record of a sample begins."""
+        return np.repeat(self.starts, np.diff(np.append(self.starts, len(self.time))))
+
+    @property
+    def since(self) -> np.ndarray:
+        """Time (m,) since the start of the record."""
+        return self.time - self.time[self._start]
+
+    @property
+    def place(self) -> np.ndarray:
+        """Samples (m,) since the start of the record."""
+        return np.arange(len(self.time)) - self._start
+
+    def part(self, early: np.ndarray) -> _Link:
+        """Return the same with the first samples of each record, the start among them, (m,) of bool."""
+        starts = np.flatnonzero(np.isin(np.flatnonzero(early), self.starts))
+        return _Link(self.time[early], self.mass[early], self.stiffness[early], self.drag, starts)
+
+    def driven(self, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return place and speed (m,) under a load (m,) that is straight between samples; settled at the start."""
+        step, between, stiff = self._between
+        own, cross, back, held, unit = self._turn
+        slope = np.append(np.diff(load) / step, 0.0)
+        slope[self.starts[1:] - 1] = 0.0
+        # About the motion that follows a straight load without swinging.
+        straight = slope[:-1]
+        start, rate = load[:-1] / stiff - straight * self.drag / stiff**2, straight / stiff
+        known = np.zeros((2 * len(load), 1), order="F")
+        known[2::2, 0] = start + rate * step - own * start - cross * rate
+        known[3::2, 0] = (rate - back * start - held * rate) * between / unit
+        known[2 * self.starts, 0] = load[self.starts] / self.stiffness[self.starts]
+        known[2 * self.starts + 1, 0] = (slope / self.stiffness * self.mass)[self.starts] / unit
+        return self._solved(known)[0]
+
+    def free(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return place and speed (m,) of two swings without a load, from a place and from a speed at the start."""
+        known = np.zeros((2 * len(self.time), 2), order="F")
+        known[2 * self.starts, 0] = known[2 * self.starts + 1, 1] = 1.0
+        return self._solved(known)
+
+    @cached_property
+    def _between(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Steps in time, inertia and stiffness (m - 1,) from sample to sample."""
+        step = np.diff(self.time)
+        step[self.starts[1:] - 1] = 1.0
+        return step, 0.5 * (self.mass[1:] + self.mass[:-1]), 0.5 * (self.stiffness[1:] + self.stiffness[:-1])
+
+    @cached_property
+    def _turn(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+        """What place and speed become from sample to sample (m - 1,), and the unit of momentum.
+
+        It is the momentum that goes on where the inertia changes, in units of the swing so that all are of one size.
+        """
+        step, between, stiff = self._between
+        square, decay = stiff / between, self.drag / (2.0 * between)
+        turn = np.sqrt(np.maximum(square - decay**2, 1e-9 * square))
+        fade = np.exp(-decay * step)
+        cosine, sine = fade * np.cos(turn * step), fade * np.sin(turn * step) / turn
+        unit = float(np.sqrt(np.mean(square)) * np.mean(between))
+        return cosine + decay * sine, sine, -square * sine, cosine - decay * sine, unit
+
+    def _solved(self, known: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return place and speed of each column (2 m,) of what is known beside the sample before."""
+        own, cross, back, held, unit = self._turn
+        heavy = self._between[1] / unit
+        goes_on = np.ones(len(own))
+        goes_on[self.starts[1:] - 1] = 0.0
+        # Every sample follows from the one before: a triangle of four diagonals.
+        band = np.zeros((4, 2 * len(self.time)), order="F")
+        band[0] = 1.0
+        band[2, 0:-2:2], band[1, 1:-2:2] = -own * goes_on, -cross / heavy * goes_on
+        band[3, 0:-2:2], band[2, 1:-2:2] = -back * heavy * goes_on, -held * goes_on
+        solved, _ = dtbtrs(band, known, uplo="L", diag="U")
+        return [(column[::2], column[1::2] * (unit / self.mass)) for column in solved.T]
