@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jointwear.discovery.estimates.effect_estimates import _out_of_step
 from jointwear.discovery.estimates.refine import refine
 from jointwear.discovery.estimates.scan import scan
 from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_torques, whitened
@@ -39,3 +40,13 @@ def test_a_swing_is_found_however_soon_it_ends(white, damping):
     found = refine(shaken, fit, best).nonlinear
     assert found["damping"] == pytest.approx(damping, rel=0.25)
     assert found["inertia_over_stiffness"] == pytest.approx(3.7e-4, rel=0.1)
+
+
+def test_a_damping_is_no_better_known_than_how_far_the_swing_is_out_of_step():
+    gear = {"inertia_over_stiffness": 4e-4, "inertia": 2.0, "side": 1, "damping": 0.02}
+    candidate = Candidate("joint_flexibility", 1, None, gear)
+    std = {"inertia_over_stiffness": 1.6e-5, "damping": 0.015}
+    # Four per cent of the square of a period are two per cent of the frequency.
+    assert _out_of_step(candidate, gear, std)["damping"] == pytest.approx(0.025)
+    behind = Candidate("joint_flexibility", 1, None, {**gear, "side": 0})
+    assert _out_of_step(behind, gear, std) == {}

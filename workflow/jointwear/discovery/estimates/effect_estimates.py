@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -201,6 +201,19 @@ def _by_its_damping(
     return nothing | {name: abs(lighter.nonlinear[name] - best)}
 
 
+def _out_of_step(candidate: Candidate, parameters: Mapping[str, float], std: Mapping[str, float]) -> dict[str, float]:
+    """Return the standard deviation of the damping of a swing because its frequency is not known along the motion.
+
+    Inertia of the model that is off by a share in one pose and not in another puts the swing out of step, and what is
+    out of step by a share of its frequency looks damped, or rings on, by that share more.
+    """
+    scaled = get_effect(candidate.effect).scaled
+    if not on_all_axes(candidate) or scaled not in std or "damping" not in std:
+        return {}
+    share = 0.5 * std[scaled] / parameters[scaled]
+    return {"damping": float(np.hypot(std["damping"], share))}
+
+
 def _in_the_bend(
     white: White,
     candidate: Candidate,
@@ -286,6 +299,7 @@ def estimate_effect(
             unknown.append(_followed(white, without, candidate, spreads, set(std)))
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.std.items() if name != scaled}
+    std |= _out_of_step(candidate, parameters, std)
     fitted = Fitted(
         candidate=candidate,
         form=form,
