@@ -117,6 +117,79 @@ def test_another_model_does_not_take_logs_that_are_gone_away(logs, tmp_path, the
     assert watched(logs[there], tmp_path, entry=entry)["windows"] == before["windows"]
 
 
+def kept_files(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def stopped_at(group, monkeypatch):
+    """Let the reading of logs be stopped at a group of one log; return how to let it go on."""
+    read, groups = reading.log_pieces, []
+
+    def stopped(logs, *more):
+        groups.append(logs)
+        if len(groups) == group:
+            raise KeyboardInterrupt
+        return read(logs, *more)
+
+    monkeypatch.setattr(reading, "SAVE_EVERY", 1)
+    monkeypatch.setattr(reading, "log_pieces", stopped)
+    return lambda: monkeypatch.setattr(reading, "log_pieces", read)
+
+
+def test_an_upgrade_that_is_stopped_reads_the_other_logs_at_the_next_call(logs, tmp_path, monkeypatch):
+    watched(logs, tmp_path)
+    go_on = stopped_at(3, monkeypatch)
+    monkeypatch.setattr(watch, "code_of", lambda script: f"another {script}")
+    with pytest.raises(KeyboardInterrupt):
+        watched(logs, tmp_path)
+    go_on()
+    assert watched(logs[:3], tmp_path)["logs_read"] == 1
+    assert watched(logs, tmp_path)["logs_read"] == 1, "a log that was away is read once it is back"
+    assert watched(logs, tmp_path)["logs_read"] == 0
+
+
+def test_an_edit_that_is_refused_and_undone_leaves_all_as_it_was(logs, tmp_path):
+    watched(logs, tmp_path)
+    own = tmp_path / "robots/arm"
+    (own / "baseline.nc").write_bytes(b"kept for months")
+    names = ["baseline.nc", "survey.json", "read.json", *(f"windows/{p.name}" for p in (own / "windows").iterdir())]
+    before = {name: (own / name).read_bytes() for name in names}
+    edited = watched(logs, tmp_path, entry=ENTRY | {"units": {"torque": "mN m"}})
+    assert (edited["result"], "units" in edited["reason"]) == ("refused", True)
+    assert {name: (own / name).read_bytes() for name in names} == before
+    assert watched(logs, tmp_path)["logs_read"] == 0
+    assert not (own / reading.ANEW).exists()
+
+
+@pytest.mark.parametrize("undone", [True, False])
+def test_an_edit_that_is_stopped_is_undone_or_goes_on(logs, tmp_path, monkeypatch, undone):
+    edited = ENTRY | {"window": "6s"}
+    watched(logs, tmp_path)
+    watched(logs, tmp_path / "alone", entry=edited)
+    own = tmp_path / "robots/arm"
+    before = kept_files(own)
+    go_on = stopped_at(3, monkeypatch)
+    with pytest.raises(KeyboardInterrupt):
+        watched(logs, tmp_path, entry=edited)
+    go_on()
+    assert {name: content for name, content in kept_files(own).items() if name in before} == before
+    found = watched(logs, tmp_path, entry=ENTRY if undone else edited)
+    assert (found["result"], found["logs_read"]) == ("judged", 0 if undone else 2)
+    assert not (own / reading.ANEW).exists()
+    if not undone:
+        assert (own / "survey.json").read_bytes() == (tmp_path / "alone/robots/arm/survey.json").read_bytes()
+        assert found["windows"] == 24
+
+
+def test_an_edit_that_is_stopped_as_it_takes_its_place_is_read_again(logs, tmp_path, monkeypatch):
+    watched(logs, tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(reading.shutil, "move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            watched(logs, tmp_path, entry=ENTRY | {"window": "6s"})
+    assert watched(logs, tmp_path)["windows"] == 12
+
+
 def test_another_model_reads_logs_that_moved_again(logs, tmp_path):
     robot, entry = own_robot(tmp_path)
     watched(logs, tmp_path, entry=entry)

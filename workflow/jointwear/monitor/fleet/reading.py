@@ -2,13 +2,17 @@
 
 `read.json` beside the statistics says which log was read with what. Statistics of logs that are no longer on disk are
 kept: a store that deletes old logs does not take the baseline away. Where the model changes, or how logs are read, they
-cannot be read again: such a robot is refused until somebody decides.
+cannot be read again: such a robot is refused until somebody decides. Otherwise all logs are read into a folder of its
+own, whose content takes the place of what was there once it is complete: an edit that is refused, interrupted or undone
+changes nothing.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import os
+import shutil
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -39,6 +43,11 @@ MOST_FILES = 16
 #: Logs that are tried, the first ones, until one can be surveyed.
 SURVEY_TRIES = 3
 
+#: Folder in the robot's own in which logs are read anew after an edit, until all of them are, and the kept baseline.
+ANEW, BASELINE = "anew", "baseline.nc"
+
+#: What the record keeps.
+_KEPT = ("settings", "code", "judged", "misfits", "logs")
 _TEXT = {"type": "string"}
 #: Layout of `read.json`; statistics lie in the robot's own folder.
 _RECORD = {
@@ -81,8 +90,12 @@ class Readings:
 
     def save(self) -> None:
         """Keep the record."""
-        names = ("settings", "code", "judged", "misfits", "logs")
-        write_json(self._record, {name: getattr(self, name) for name in names})
+        write_json(self._record, {name: getattr(self, name) for name in _KEPT})
+
+    def remove(self) -> Readings:
+        """Remove the folder, if there is one; return what then is known, nothing."""
+        shutil.rmtree(self.own, ignore_errors=True)
+        return Readings(self.own)
 
     def update(self, entry: Mapping[str, Any], logs: Sequence[str], code: str, processes: int = 1) -> int:
         """Read what is new or has changed among `logs`; return how many logs were read.
@@ -96,38 +109,25 @@ class Readings:
         ------
         InputError : if no survey could be made of the first logs, or logs that are gone were read otherwise.
         """
-        reading = {key: entry[key] for key in READING_KEYS if key in entry}
-        settings = made_with(entry["robot"], entry)
-        changed = settings != self.settings
-        if changed:
+        settings, anew = made_with(entry["robot"], entry), Readings(self.own / ANEW)
+        there = {*logs, *(anew.logs if anew.settings == settings else ())}
+        if changed := settings != self.settings:
             other = "another robot file, or other keys that decide how logs are read"
-            self._refuse_lost(logs, other if self.settings else "a record that cannot be read any more")
+            self._refuse_lost(there, other if self.settings else "a record that cannot be read any more")
         if not logs:
             return 0
-        if changed:
-            self.logs = {}
-            # The windows of a baseline that another model made do not compare with those to come.
-            (self.own / "baseline.nc").unlink(missing_ok=True)
-        self._survey(entry, reading, logs, anew=changed)
-        fresh = settings == self.settings and code == self.code
-        self.settings, self.code = settings, code
-        stamps = {log: digest(stamp_of(log)) for log in logs}
-        wanted = [
-            log
-            for log in logs
-            if not fresh or self.logs.get(log, {}).get("stamp") != stamps[log] or not self._file(log).is_file()
-        ]
-        for start in range(0, len(wanted), SAVE_EVERY):
-            group = wanted[start : start + SAVE_EVERY]
-            pieces = self._read(group, entry, reading, processes)
-            name = f"{digest(group)[:16]}.nc"
-            write_pieces(pieces, self.own / "windows" / name, reading)
-            self.logs.update({log: {"stamp": stamps[log], "file": name} for log in group})
-            self.save()
-        if wanted:
-            self._tidy(reading)
-        self.save()
-        return len(wanted)
+        if not changed and self._is_surveyed():
+            anew.remove()
+            return self._read_new(entry, logs, code, processes)
+        if not changed:
+            self._refuse_lost(there, "a survey that cannot be read any more")
+        if not (self.settings or self.logs):
+            return self._fill(settings, entry, logs, code, processes)
+        if anew.settings != settings:
+            anew = anew.remove()
+        read = anew._fill(settings, entry, logs, code, processes)
+        self._take(anew)
+        return read
 
     def leave_out(self, logs: Sequence[str]) -> None:
         """Forget logs that are still there but not among `logs`: the patterns match them no more."""
@@ -167,15 +167,66 @@ class Readings:
     def _file(self, log: str) -> Path:
         return self.own / "windows" / self.logs[log]["file"]
 
-    def _survey(self, entry: Mapping[str, Any], reading: Mapping[str, Any], logs: Sequence[str], anew: bool) -> None:
-        if not anew:
-            try:
-                read_survey(self.survey)
-                return
-            except InputError:
-                self._refuse_lost(logs, "a survey that cannot be read any more")
-                self.logs = {}
-        refused = None
+    def _is_surveyed(self) -> bool:
+        try:
+            read_survey(self.survey)
+        except InputError:
+            return False
+        return True
+
+    def _fill(self, settings: str, entry: Mapping[str, Any], logs: Sequence[str], code: str, processes: int) -> int:
+        """Survey and read all logs where nothing was read yet, or go on where that was interrupted."""
+        if settings != self.settings or not self._is_surveyed():
+            self.logs = {}
+            self._survey(entry, logs)
+            (self.own / BASELINE).unlink(missing_ok=True)
+            self.settings = settings
+            self.save()
+        return self._read_new(entry, logs, code, processes)
+
+    def _read_new(self, entry: Mapping[str, Any], logs: Sequence[str], code: str, processes: int) -> int:
+        """Read what is new or has changed, or was read by another version of the library, a group of logs at a time."""
+        if code != self.code:
+            # Marked before the first is read: what an interrupted call does not come to, the next one reads.
+            self.logs = {log: kept | {"stamp": ""} for log, kept in self.logs.items()}
+            self.code = code
+            self.save()
+        reading, stamps = _reading_keys(entry), {log: digest(stamp_of(log)) for log in logs}
+        wanted = [
+            log for log in logs if self.logs.get(log, {}).get("stamp") != stamps[log] or not self._file(log).is_file()
+        ]
+        for start in range(0, len(wanted), SAVE_EVERY):
+            group = wanted[start : start + SAVE_EVERY]
+            pieces = self._read(group, entry, reading, processes)
+            name = f"{digest(group)[:16]}.nc"
+            write_pieces(pieces, self.own / "windows" / name, reading)
+            self.logs.update({log: {"stamp": stamps[log], "file": name} for log in group})
+            self.save()
+        if wanted:
+            self._tidy(reading)
+        self.save()
+        return len(wanted)
+
+    def _take(self, anew: Readings) -> None:
+        """Put what was read anew in the place of what was there; the record knows nothing until all of it is there."""
+        edited = anew.settings != self.settings
+        self.settings, self.logs = "", {}
+        self.save()
+        (self.own / "windows").mkdir(exist_ok=True)
+        for path in (anew.own / "windows").glob("*.nc"):
+            shutil.move(path, self.own / "windows" / path.name)
+        os.replace(anew.survey, self.survey)
+        if edited:
+            # The windows of a baseline that another model made do not compare with those to come.
+            (self.own / BASELINE).unlink(missing_ok=True)
+        for name in _KEPT:
+            setattr(self, name, getattr(anew, name))
+        self.save()
+        self._remove_unused()
+        anew.remove()
+
+    def _survey(self, entry: Mapping[str, Any], logs: Sequence[str]) -> None:
+        reading, refused = _reading_keys(entry), None
         self.misfits = []
         for log in logs[:SURVEY_TRIES]:
             try:
@@ -213,7 +264,7 @@ class Readings:
         length = window_seconds(entry.get("window", "1h"))
         return blank_statistics(np.zeros(0), length, np.array(survey.torque_reference), survey.dated)
 
-    def _refuse_lost(self, logs: Sequence[str], what: str) -> None:
+    def _refuse_lost(self, logs: Collection[str], what: str) -> None:
         """Refuse the robot if samples of logs that are not among `logs` would be lost; `what` they were read with.
 
         Raises
@@ -239,15 +290,23 @@ class Readings:
 
     def _tidy(self, reading: Mapping[str, Any]) -> None:
         """Put all statistics into one file where there are many, and remove files that nothing refers to."""
-        files = {kept["file"] for kept in self.logs.values()}
-        if len(files) > MOST_FILES:
+        if len({kept["file"] for kept in self.logs.values()}) > MOST_FILES:
             pieces = self.pieces()
             name = f"{digest([p.log for p in pieces])[:16]}_all.nc"
             write_pieces(pieces, self.own / "windows" / name, reading)
             for piece in pieces:
                 self.logs[piece.log]["file"] = name
             self.save()
-            files = {name}
+        self._remove_unused()
+
+    def _remove_unused(self) -> None:
+        """Remove files of statistics that the record does not refer to."""
+        files = {kept["file"] for kept in self.logs.values()}
         for path in (self.own / "windows").glob("*.nc"):
             if path.name not in files:
                 path.unlink()
+
+
+def _reading_keys(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what of an entry decides how logs are read."""
+    return {key: entry[key] for key in READING_KEYS if key in entry}
