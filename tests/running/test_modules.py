@@ -35,6 +35,17 @@ def test_modules_are_those_that_python_loads(root):
         assert loaded <= names(root, script), script
 
 
+def test_values_that_a_module_reads_beside_itself_count_with_it(root):
+    values = [p for p in LIBRARY.rglob("*") if p.is_file() and p.suffix not in (".py", ".pyc")]
+    assert values, "the library ships the calibration of the search"
+    for path in values:
+        readers = [p for p in path.parent.glob("*.py") if f'Path(__file__).with_name("{path.name}")' in p.read_text()]
+        assert readers, f"{path} is read by no module in a way that makes it an input"
+    assert "discovery/search/calibration.json" in names(root, "discover_dataset")
+    assert "discovery/search/calibration.json" in names(root, "learn_normal")
+    assert "discovery/search/calibration.json" not in names(root, "simulate_wear")
+
+
 def test_a_stage_does_not_depend_on_what_it_does_not_use(root):
     assert "reproduction/detection.py" not in names(root, "simulate_wear")
     assert "reproduction/readings/onset_rule.py" not in names(root, "compute_features")

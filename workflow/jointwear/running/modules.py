@@ -1,4 +1,7 @@
-"""Which library modules a script imports, found by reading it; Snakemake does not see imported modules."""
+"""Which library modules a script imports, and which files these read beside themselves, found by reading them.
+
+Snakemake does not see imported modules.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,8 @@ EFFECTS = LIBRARY / "effects"
 # Read as text: parsing to syntax trees takes four times as long, at every call of Snakemake.
 _FROM = re.compile(r"^\s*from\s+(jointwear[\w.]*)\s+import\s+(\([^)]*\)|[^\n#]+)", re.MULTILINE)
 _IMPORT = re.compile(r"^\s*import\s+(jointwear[\w.]*)", re.MULTILINE)
+#: How a module names a file of values that lies beside it.
+_BESIDE = re.compile(r"\bPath\(__file__\)\.with_name\(\"([\w.-]+)\"\)")
 _WHOLE_PACKAGE = re.compile(r"^WHOLE_PACKAGE = True", re.MULTILINE)
 
 
@@ -34,7 +39,9 @@ def _path_of(module: str) -> Path | None:
 
 @cache
 def _direct(path: Path) -> frozenset[Path]:
-    """Return the library files that one file imports, inside functions too."""
+    """Return the library files that one file imports, inside functions too, and those that it reads beside itself."""
+    if path.suffix != ".py":
+        return frozenset()
     text = path.read_text(encoding="utf-8")
     names = set(_IMPORT.findall(text))
     for module, imported in _FROM.findall(text):
@@ -47,12 +54,13 @@ def _direct(path: Path) -> frozenset[Path]:
         found.update(p for k in range(1, len(pieces) + 1) if (p := _path_of(".".join(pieces[:k]))))
     if path.name == "__init__.py" and _WHOLE_PACKAGE.search(text):
         found.update(path.parent.glob("*.py"))
+    found.update(beside for name in _BESIDE.findall(text) if (beside := path.with_name(name)).is_file())
     return frozenset(found)
 
 
 @cache
 def imported_by(script: Path, effects: frozenset[str] | None = None) -> tuple[Path, ...]:
-    """Return every library file that `script` imports, directly or through others, sorted.
+    """Return every library file that `script` imports, directly or through others, sorted, and what these read.
 
     A package whose ``__init__`` says ``WHOLE_PACKAGE = True``, because its modules are found by listing it, counts
     with all of them.
@@ -87,7 +95,7 @@ def _wanted(path: Path, effects: frozenset[str] | None) -> bool:
 
 @cache
 def code_of(script: str) -> str:
-    """Return a digest of the library files that a script of the workflow imports, as they are when first asked for."""
+    """Return a digest of the library files that a script of the workflow needs, as they are when first asked for."""
     found = hashlib.sha256()
     for path in imported_by(LIBRARY.parent / "scripts" / f"{script}.py"):
         found.update(path.read_bytes())
