@@ -60,3 +60,16 @@ def test_a_check_tells_at_once_that_discovery_would_refuse_the_data(project):
     assert "discovery would refuse puma560_hidden: " in done.stderr
     assert "'test' names trajectory 9, which is not in the data" in done.stderr
     assert "which is not in the data" in (project.folder / "results/discover/puma560_hidden/check.html").read_text()
+
+
+def test_a_file_of_a_bag_that_is_overwritten_is_checked_again(project):
+    bag = project.folder / "bag"
+    bag.mkdir()
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information: {}\n")
+    (bag / "bag.db3").write_bytes(b"no bag")
+    entry = {"measured": "bag", "robot": "config/robots/puma560.yaml"}
+    (project.folder / "bag.yaml").write_text(yaml.safe_dump({"discover": {"datasets": {"arm": entry}}}))
+    project.snakemake("check_data", "--configfile", "bag.yaml")
+    assert "check_dataset" not in project.planned("check_data", "--configfile", "bag.yaml")
+    (bag / "bag.db3").write_bytes(b"another")
+    assert project.planned("check_data", "--configfile", "bag.yaml")["check_dataset"] == 1

@@ -1,6 +1,7 @@
 # What the rules of discover.smk take from the entry of their data set.
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
+from jointwear.monitor.plan import log_sources
 from jointwear.running.datasets import written_for
 
 # The data set that the report shows; `discover` takes it too where the config names none.
@@ -44,8 +45,8 @@ def dataset_entry(wildcards):
 
 
 def dataset_measured(wildcards):
-    """Measured file of a data set."""
-    return DATASETS[wildcards.dataset]["measured"]
+    """Measured file of a data set, or the files of a bag's folder: the time of a folder does not tell of its files."""
+    return log_sources(DATASETS[wildcards.dataset]["measured"])
 
 
 def dataset_robot(wildcards):
