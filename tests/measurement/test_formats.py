@@ -81,6 +81,16 @@ def test_joints_of_a_bag_take_their_names_from_the_config(tmp_path, log):
     np.testing.assert_allclose(whole(folder, joints=names[::-1])[0]["torque"], log.torque[:, ::-1])
 
 
+def test_a_bag_whose_efforts_pause_is_read_to_its_end(tmp_path, log):
+    pause = log.torque.copy()
+    pause[80:200] = np.nan
+    folder = write_bag(tmp_path / "bag", replace(log, torque=pause))
+    for rows in (50, len(log.time)):
+        np.testing.assert_array_equal(whole(folder, rows=rows)[0]["torque"], pause)
+    with pytest.raises(InputError, match="the messages carry no effort"):
+        whole(write_bag(tmp_path / "without", log, effort=False), rows=50)
+
+
 def test_units_and_names_of_the_config(tmp_path, log):
     table = {"t_ms": 1e3 * log.time}
     table |= {f"actual_q_{j}": np.degrees(log.position[:, j]) for j in range(6)}

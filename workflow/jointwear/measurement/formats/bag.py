@@ -89,12 +89,18 @@ def _order(names: tuple[str, ...], layout: Layout) -> np.ndarray | None:
     return np.array([names.index(joint) for joint in layout.joints])
 
 
-def _samples(path: Path, reader: Reader, connections, layout: Layout, rows: int) -> Iterator[Chunk]:
+def _messages(
+    path: Path, reader: Reader, connections, layout: Layout
+) -> Iterator[tuple[float, dict[str, np.ndarray | None]]]:
+    """Yield time [s] and, of each role, the values (n,) of the axes, None where the message has none.
+
+    Raises
+    ------
+    InputError : if a message has fewer values than joints, or none holds the joints of the robot.
+    """
     decode, orders = _types().deserialize_cdr, {}
-    roles = ("position", "velocity", "torque")
-    buffer: dict[str, list] = {role: [] for role in ("time", *roles)}
     other: tuple[str, ...] | None = None
-    seen = 0
+    seen = False
     for _, received, raw in reader.messages(connections=connections):
         message = decode(raw, JOINT_STATE)
         names = tuple(message.name)
@@ -108,22 +114,13 @@ def _samples(path: Path, reader: Reader, connections, layout: Layout, rows: int)
         time = stamp.sec + 1e-9 * stamp.nanosec if stamp.sec or stamp.nanosec else 1e-9 * received
         parts = {"position": message.position, "velocity": message.velocity, "torque": message.effort}
         for role, values in parts.items():
-            if len(values) == 0:
-                buffer[role].append(np.full(layout.axes, np.nan))
-            elif len(values) <= order.max():
+            if 0 < len(values) <= order.max():
                 raise InputError(
                     f"{path}: a message names {count(len(names), 'joint')} and has "
                     f"{count(len(values), 'value')} of {role}"
                 )
-            else:
-                buffer[role].append(values[order])
-        buffer["time"].append(time)
-        seen += 1
-        if len(buffer["time"]) >= rows:
-            yield _chunk(path, buffer, layout)
-            buffer = {role: [] for role in buffer}
-    if buffer["time"]:
-        yield _chunk(path, buffer, layout)
+        seen = True
+        yield time, {role: values[order] if len(values) else None for role, values in parts.items()}
     if not seen and other is not None:
         raise InputError(
             f"{path}: its joints are {', '.join(other)}; the robot's are {', '.join(layout.joints)}; "
@@ -131,12 +128,47 @@ def _samples(path: Path, reader: Reader, connections, layout: Layout, rows: int)
         )
 
 
+def _check_carried(path: Path, messages: Iterator[tuple[float, dict[str, np.ndarray | None]]]) -> None:
+    """Check that some message of a bag carries efforts, and some positions; a drive may pause with either.
+
+    Raises
+    ------
+    InputError : if there are messages, and none carries them.
+    """
+    lacking = {
+        "torque": "no effort; without torque nothing can be judged",
+        "position": "no position",
+    }
+    seen = False
+    for _, parts in messages:
+        seen = True
+        for role in list(lacking):
+            values = parts[role]
+            if values is not None and np.isfinite(values).any():
+                del lacking[role]
+        if not lacking:
+            return
+    if seen:
+        raise InputError(f"{path}: the messages carry {next(iter(lacking.values()))}")
+
+
+def _samples(path: Path, reader: Reader, connections, layout: Layout, rows: int) -> Iterator[Chunk]:
+    _check_carried(path, _messages(path, reader, connections, layout))
+    buffer: dict[str, list] = {role: [] for role in ("time", "position", "velocity", "torque")}
+    empty = np.full(layout.axes, np.nan)
+    for time, parts in _messages(path, reader, connections, layout):
+        buffer["time"].append(time)
+        for role, values in parts.items():
+            buffer[role].append(empty if values is None else values)
+        if len(buffer["time"]) >= rows:
+            yield _chunk(path, buffer, layout)
+            buffer = {role: [] for role in buffer}
+    if buffer["time"]:
+        yield _chunk(path, buffer, layout)
+
+
 def _chunk(path: Path, buffer: dict[str, list], layout: Layout) -> Chunk:
     values = {role: np.array(column, dtype=float) for role, column in buffer.items()}
-    if not np.isfinite(values["torque"]).any():
-        raise InputError(f"{path}: the messages carry no effort; without torque nothing can be judged")
-    if not np.isfinite(values["position"]).any():
-        raise InputError(f"{path}: the messages carry no position")
     if not np.isfinite(values["velocity"]).any():
         del values["velocity"]
     return make_chunk(path, values, layout, {}, False)
