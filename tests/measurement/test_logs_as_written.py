@@ -35,6 +35,14 @@ def test_preamble_units_row_decimal_commas_and_code_page(tmp_path):
     assert np.allclose(chunk.torque[:, 0], [1.0, -1.25])
 
 
+@pytest.mark.parametrize(("delimiter", "cell"), [(";", "0,1"), (",", '"0,1"'), ("\t", "-3,5e2")])
+def test_a_comma_in_a_column_that_is_not_read_says_nothing_of_the_decimals(tmp_path, delimiter, cell):
+    rows = [[*HEADER, "limits", "step"], ["0.00", "0.5", "1.25", cell, "weld"], ["0.01", "0.6", "1.5", cell, cell]]
+    path = write(tmp_path / "a.csv", [delimiter.join(row) for row in rows])
+    assert one(path).torque[:, 0].tolist() == [1.25, 1.5]
+    assert one(path, program={"columns": ["step"]}).torque[:, 0].tolist() == [1.25, 1.5]
+
+
 def two(path, **entry):
     return next(iter(read_log(path, layout_of(entry, ["joint_1", "joint_2"]))))
 

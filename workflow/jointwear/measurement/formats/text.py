@@ -46,6 +46,8 @@ _OTHER_FILES = {
 _JSON = (b'{"', b"[{")
 #: What the reader says of a cell that is not of its column's type.
 _CONVERSION = "conversion error"
+#: A number with a decimal comma.
+_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", re.IGNORECASE)
 #: Lines looked at for the header and for the form of the numbers.
 _LOOK = 60
 #: Bytes at the end of a log in which a row that was cut is looked for.
@@ -240,14 +242,24 @@ def _head(path: Path, layout: Layout) -> Head:
             if role in UNITS and (unit := _unit_of([cells[column] for column in columns], role)):
                 units[role] = unit
         skip, rows = skip + 1, rows[1:]
-    comma = any(re.fullmatch(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", c, re.IGNORECASE) for r in rows for c in r)
+    decimal = "," if any(_DECIMAL_COMMA.fullmatch(c) for c in _numbers(path, names, rows, layout)) else "."
     if delimiter == "," and rows and len(rows[0]) > len(names):
         raise InputError(
             f"{path}: the header names {count(len(names), 'column')}, the first row has "
             f"{count(len(rows[0]), 'cell')}: are its decimals commas? "
             "Write them with points, or separate the columns by semicolons"
         )
-    return Head(names, skip, rows[0] if rows else [], delimiter, "," if comma else ".", encoding, units)
+    return Head(names, skip, rows[0] if rows else [], delimiter, decimal, encoding, units)
+
+
+def _numbers(path: Path, names: list[str], rows: list[list[str]], layout: Layout) -> Iterator[str]:
+    """Yield the cells of the columns that are read as numbers; those of others say nothing of the decimal sign."""
+    try:
+        columns = find_columns(path, names, layout)
+    except InputError:
+        return  # told by the one who reads on
+    places = {names.index(name) for role, group in columns.items() if role != "program" for name in group}
+    yield from (row[place] for row in rows for place in places if place < len(row))
 
 
 def _unit_of(cells: list[str], role: str) -> str | list[str]:
