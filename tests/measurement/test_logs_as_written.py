@@ -203,6 +203,21 @@ def test_currents_need_a_torque_constant(tmp_path):
     assert np.isnan(chunk.torque[1, 0])
 
 
+@pytest.mark.parametrize("unit", ["A", "Ampere", "amps", "amperes", "mA"])
+def test_currents_are_known_by_all_names(tmp_path, unit):
+    rows, size = ["0,0.1,2.0", "1,0.2,3.0"], 1e-3 if unit == "mA" else 1.0
+    with_row = write(tmp_path / "a.csv", [",".join(HEADER), f"s,rad,{unit}", *rows])
+    without = write(tmp_path / "b.csv", [",".join(HEADER), *rows])
+    for chunk in (
+        one(with_row, torque_constant=[10.0]),
+        one(without, torque_constant=[10.0], units={"torque": unit}),
+    ):
+        assert chunk.torque[:, 0] == pytest.approx([20.0 * size, 30.0 * size])
+        assert chunk.units["torque"] == ("mA" if unit == "mA" else "A")
+    with pytest.raises(InputError, match="'torque_constant' in N m/A"):
+        one(with_row)
+
+
 def test_what_stands_for_a_missing_value_is_missing(tmp_path):
     chunk = one(write(tmp_path / "a.csv", [",".join(HEADER), "0,0.1,-9999", "1,0.2,3"]))
     assert np.isnan(chunk.torque[0, 0])
@@ -210,8 +225,9 @@ def test_what_stands_for_a_missing_value_is_missing(tmp_path):
 
 
 def test_shares_of_a_rating_and_decimal_commas_between_commas_are_refused(tmp_path):
-    with pytest.raises(InputError, match="'scale' the torque in N m"):
-        one(write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,%", "0,0.1,2.0"]))
+    for unit in ("%", "Prozent", "percent"):
+        with pytest.raises(InputError, match="'scale' the torque in N m"):
+            one(write(tmp_path / "a.csv", [",".join(HEADER), f"s,rad,{unit}", "0,0.1,2.0"]))
     with pytest.raises(InputError, match="are its decimals commas"):
         one(write(tmp_path / "b.csv", [",".join(HEADER), "0,0,1,2,0", "1,0,2,2,0"]))
 

@@ -367,7 +367,8 @@ def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) 
     ------
     InputError : where current or a share of a rating is logged and nothing says what torque it is.
     """
-    plain = "" if unit is None else str(unit).strip()
+    stated = "" if unit is None else str(unit).strip()
+    plain = spelled("torque", stated) if stated else ""
     if plain in SHARES:
         raise InputError(
             f"{path}: the torque is in '{plain}' of a rating; give 'units: {{torque: N m}}' and as 'scale' the torque "
@@ -382,7 +383,7 @@ def _as_torque(path: Path, array: np.ndarray, unit: str | None, layout: Layout) 
         array, unit = array * (CURRENTS.get(plain, 1.0) * np.array(layout.torque_constant)), None
     elif layout.torque_constant is not None:
         raise InputError(
-            f"{path}: the torque is in '{plain}', and 'torque_constant' is for currents; leave it out, or give "
+            f"{path}: the torque is in '{stated}', and 'torque_constant' is for currents; leave it out, or give "
             "'units: {torque: A}'"
         )
     return (array if layout.scale is None else array * np.array(layout.scale)), unit
