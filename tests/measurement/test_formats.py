@@ -130,6 +130,22 @@ def test_dates_in_parquet_and_netcdf(tmp_path, log):
         np.testing.assert_allclose(found["time"], START + log.time, atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("unit", "length"),
+    [("nanoseconds", 1e-9), ("Nanoseconds", 1e-9), ("ns", 1e-9), ("microseconds", 1e-6), ("days", 86400.0)],
+)
+def test_netcdf_counts_from_a_date_in_any_unit_of_time(tmp_path, log, unit, length):
+    for moment in ("2026-01-01", "2026-01-01 02:00:00 +02:00"):
+        path = tmp_path / f"{len(moment)}.nc"
+        write_netcdf(path, replace(log, time=log.time / length), units=f"{unit} since {moment}")
+        found, chunks = whole(path)
+        assert chunks[0].dated
+        np.testing.assert_allclose(found["time"], START + log.time, atol=1e-5)
+    write_netcdf(path, log, units="fathoms since 2026-01-01")
+    with pytest.raises(InputError, match="'fathoms since 2026-01-01' of time is not known"):
+        whole(path)
+
+
 def test_semicolons_and_decimal_commas(tmp_path, log):
     path = write_csv(tmp_path / "log.csv", columns(log))
     text = path.read_text().replace(",", ";").replace(".", ",")

@@ -13,6 +13,7 @@ from jointwear.files.storage import open_dataset, read_variable
 from jointwear.measurement.formats.chunk import NEEDED, Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.programs import joined_labels
+from jointwear.measurement.units import UNITS, spelled
 
 #: Calendars that a controller can keep; the others of CF are for climate models.
 CALENDARS = ("standard", "gregorian", "proleptic_gregorian")
@@ -121,9 +122,13 @@ def _date(path: Path, variable: netCDF4.Variable) -> tuple[float, float | None]:
     calendar = str(getattr(variable, "calendar", CALENDARS[0]))
     if calendar.lower() not in CALENDARS:
         raise InputError(f"{path}: the calendar of time is {shown(calendar)} (allowed: {', '.join(CALENDARS)})")
+    # The library knows the date of every origin, but no nanoseconds, in which xarray writes what pandas holds.
+    word, moment = units.split(" since ", 1)
+    length = UNITS["time"].get(spelled("time", word.lower())) if word.strip() else None
+    known = units if length is None else f"seconds since {moment}"
     try:
-        zero, one = netCDF4.num2date([0, 1], units, only_use_cftime_datetimes=False, only_use_python_datetimes=True)
+        zero, one = netCDF4.num2date([0, 1], known, only_use_cftime_datetimes=False, only_use_python_datetimes=True)
     except (ValueError, OverflowError) as error:
         raise InputError(f"{path}: the unit {shown(units)} of time is not known ({error})") from None
     epoch = (zero - type(zero)(1970, 1, 1)).total_seconds()
-    return (one - zero).total_seconds(), epoch
+    return (one - zero).total_seconds() if length is None else length[0], epoch
