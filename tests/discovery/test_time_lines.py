@@ -1,5 +1,7 @@
 """What shakes an arm at a frequency of its own is no noise, however loud it is."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from discovery_cases import RATE, make_case
@@ -8,6 +10,7 @@ from scipy.signal import lfilter
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.noise.noise_spectrum import FEWEST_OF_RECORD
 from jointwear.discovery.problem.time_lines import loudest
+from jointwear.discovery.search.residual_lines import Line, where_strongest
 
 
 def _noise(rng, records=4, count=1000):
@@ -34,6 +37,19 @@ def test_what_is_slow_and_records_that_are_short_are_not_asked():
     assert loudest(series + slow, np.ones(len(series), bool), label, RATE)[0] >= 2.0
     short = np.arange(FEWEST_OF_RECORD - 1) / RATE
     assert loudest(short, np.ones(len(short), bool), np.zeros(len(short)), RATE)[1] == 1.0
+
+
+@pytest.mark.parametrize("labels", [(0, 1, 2), (2, 1, 0), (5, 3, 9)])
+def test_a_line_is_placed_in_its_own_record_in_whatever_order_these_are_labelled(labels):
+    count, rng = 1000, np.random.default_rng(8)
+    late = np.repeat([False, False, True], count)
+    label, instant = np.repeat(labels, count), np.arange(3 * count)
+    residual = rng.standard_normal(3 * count) + 3.0 * late * np.sin(2 * np.pi * 7.0 * instant / RATE)
+    state = SimpleNamespace(record=label, time=instant / RATE)
+    for record in (-1, labels[2]):
+        found = where_strongest(Line(50.0, 1e-9, 7.0, 0.0, record), residual, instant, state, RATE)
+        assert found.any()
+        assert late[found].all()
 
 
 def test_a_beat_that_is_louder_than_the_noise_is_structure(robot):

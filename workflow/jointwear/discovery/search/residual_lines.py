@@ -169,22 +169,25 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
     return Line(best.power, p, best.frequency, best.rate, best.record)
 
 
-def _turned(line: Line, residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> list[np.ndarray]:
-    """Return the whitened residual (k,) turned back by a line, in each record that it was found in."""
+def _turned(
+    line: Line, residual: np.ndarray, rows: np.ndarray, state: State, rate: float
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return, of each record that a line was found in, which samples (k,) lie in it and their whitened residual turned
+    back by the line."""
     label, pieces = np.asarray(state.record), []
     for one in np.unique(label) if line.record < 0 else [line.record]:
         inside = label[rows] == one
         time = (rows[inside] - np.flatnonzero(label == one)[0]) / rate
-        pieces.append(residual[inside] * np.exp(-2j * np.pi * (line.frequency * time + 0.5 * line.rate * time**2)))
+        back = np.exp(-2j * np.pi * (line.frequency * time + 0.5 * line.rate * time**2))
+        pieces.append((inside, residual[inside] * back))
     return pieces
 
 
 def where_strongest(line: Line, residual: np.ndarray, rows: np.ndarray, state: State, rate: float) -> np.ndarray:
     """Return which samples (m,) of a whitened residual lie in the bin of time in which a line is strongest."""
-    label = np.asarray(state.record)[rows]
-    inside = np.ones(len(rows), bool) if line.record < 0 else label == line.record
     turned = np.zeros(len(rows), complex)
-    turned[inside] = np.concatenate(_turned(line, residual, rows, state, rate))
+    for inside, piece in _turned(line, residual, rows, state, rate):
+        turned[inside] = piece
     bins = time_bins(state, TIME_BIN)[rows]
     power = np.abs(turned @ bins) ** 2 / np.maximum(bins.sum(axis=0), 1.0)
     return bins[:, int(np.argmax(power))] > 0
@@ -195,7 +198,7 @@ def chance_of(line: Line, residual: np.ndarray, rows: np.ndarray, state: State, 
 
     As for :func:`strongest_line` the line has to stand out of what is around it.
     """
-    pieces = [piece for piece in _turned(line, residual, rows, state, rate) if len(piece)]
+    pieces = [piece for _, piece in _turned(line, residual, rows, state, rate) if len(piece)]
     total = 0.0
     for piece in pieces:
         near = np.abs(np.fft.fft(piece)) ** 2 / len(piece)
