@@ -12,9 +12,9 @@ from jointwear.discovery.estimates.refined_model import RefinedEffect, RefinedMo
 from jointwear.discovery.linear import Term
 from jointwear.discovery.model.estimation import finalise
 from jointwear.discovery.model.fallback import Step, put_back
-from jointwear.discovery.model.final_model import Weighing, named_all_the_same
+from jointwear.discovery.model.final_model import Weighing, fit_model, generator_of, named_all_the_same
 from jointwear.discovery.model.left_out import Asked
-from jointwear.discovery.problem.candidates import Candidate
+from jointwear.discovery.problem.candidates import Candidate, term_of
 
 
 def test_an_axis_counts_as_without_a_name_by_the_effects_that_a_model_has(rooted, monkeypatch):
@@ -116,3 +116,27 @@ def test_an_effect_has_its_plain_forms_and_no_more_of_them_than_it_is():
     assert kept(terms[0]) == (RefinedEffect(None, drift, terms[0]), 0)
     assert kept(terms[1]) == (RefinedEffect(None, *plain[0]), 0)
     assert kept(terms[2]) == (model.effects[0], 1)
+
+
+def test_the_interval_of_an_effect_does_not_depend_on_the_order_of_the_names(rooted, monkeypatch):
+    white, one = rooted.final.outcome.white, rooted.final.outcome.named[0]
+    beside = Candidate("stribeck_friction", 1, None, {"speed": 0.1, "exponent": 1.0})
+    other = replace(one, candidate=beside, term=term_of(white, beside), form=None)
+    effects = [RefinedEffect(n, n.candidate, n.term) for n in (one, other)]
+    base = likely_base(white, [e.term for e in effects])[0]
+    weighing = Weighing(rooted.final.outcome, white, np.ones(6), np.ones(6))
+    peaks = [
+        {e.named.candidate.key: e.peak for e in fit_model(weighing, base, RefinedModel(tuple(order), ())).estimates}
+        for order in (effects, effects[::-1])
+    ]
+    assert len(peaks[0]) == 2
+    for key, peak in peaks[0].items():
+        assert (peaks[1][key].low, peaks[1][key].high) == pytest.approx((peak.low, peak.high), rel=1e-6)
+
+
+def test_each_effect_axis_and_source_draws_its_own_numbers():
+    places = [("joint_spring", 1, None), ("joint_spring", 2, None), ("joint_spring", None, None)]
+    places += [("stribeck_friction", 1, None), ("stribeck_friction", 1, 0), ("stribeck_friction", 1, 1)]
+    drawn = [generator_of(Candidate(*place)).standard_normal() for place in places]
+    assert len(set(drawn)) == len(places)
+    assert drawn == [generator_of(Candidate(*place, {"other": 1.0})).standard_normal() for place in places]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from zlib import crc32
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from jointwear.discovery.model.between_axes import of_scales
 from jointwear.discovery.model.fallback import PutBack
 from jointwear.discovery.model.left_out import Asked, left_out_ratio
 from jointwear.discovery.model.sound_fit import make_links_sound, make_sound
+from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.problem.whitening import INERTIAL, White
 from jointwear.robots.inertia import mass_direction
 
@@ -88,12 +90,12 @@ def fit_model(weighing: Weighing, base: Sequence[Term], model: RefinedModel) -> 
         if effect.named.candidate.axis is None:
             known.covariance = known.covariance + of_scales(weak, known, less[id(effect.term)])
     weak_base = [less[id(t)] for t in base]
-    rng = np.random.default_rng(np.random.SeedSequence([4, len(terms)]))
     estimates = []
     for effect in model.effects:
         own = [effect.term] if effect.bend is None else [effect.term, effect.bend[1]]
         others = [less[id(t)] for t in terms if not any(t is o for o in own)]
         where = [places[id(t)] for t in own]
+        rng = generator_of(effect.candidate)
         estimates.append(estimate_effect(weak, known, weak_base, effect, where, others, rng))
     friction, _, inertial = base_of(white, fit, masses)
     inertial += beside
@@ -110,6 +112,13 @@ def fit_model(weighing: Weighing, base: Sequence[Term], model: RefinedModel) -> 
         retuned_friction=friction,
         retuned_inertial=inertial,
     )
+
+
+def generator_of(candidate: Candidate) -> np.random.Generator:
+    """Return the generator that the interval of an effect is drawn with: its own, whatever else is named beside it."""
+    whose = (candidate.axis, candidate.source)
+    key = (crc32(candidate.effect.encode()), *(0 if x is None else int(x) + 1 for x in whose))
+    return np.random.default_rng(np.random.SeedSequence(4, spawn_key=key))
 
 
 def named_all_the_same(
