@@ -26,13 +26,13 @@ def significant(value: float, digits: int = 3) -> str:
     return f"{float(f'{value:.{digits}g}'):.10g}"
 
 
-def digits_apart(value: float, other: float, digits: int = 3) -> int:
-    """Return how many significant digits, `digits` or more, tell two numbers apart: 5 for 0.98996 and 0.99.
+def digits_apart(value: float, other: float) -> int:
+    """Return how many significant digits, three or more, tell two numbers apart: 5 for 0.98996 and 0.99.
 
-    Where none of the ten that :func:`significant` writes do, it is `digits`.
+    Where none of the ten that :func:`significant` writes do, it is three.
     """
-    enough = (n for n in range(digits, 11) if significant(value, n) != significant(other, n))
-    return next(enough, digits)
+    enough = (n for n in range(3, 11) if significant(value, n) != significant(other, n))
+    return next(enough, 3)
 
 
 def listed(words: Iterable[str]) -> str:

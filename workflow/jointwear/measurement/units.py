@@ -27,7 +27,7 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
             "d": 86400.0,
         }.items()
     },
-    "trajectory": {"1": (1.0, 0.0), "": (1.0, 0.0)},
+    "trajectory": {"1": (1.0, 0.0)},
     "position": {"rad": (1.0, 0.0), "deg": (math.pi / 180, 0.0), "rev": (2 * math.pi, 0.0)},
     "velocity": {
         "rad/s": (1.0, 0.0),

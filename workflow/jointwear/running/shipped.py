@@ -14,7 +14,7 @@ from jointwear.files.registered import locate
 from jointwear.files.regular_files import ROOT
 
 
-def shipped(path: str | Path, root: Path = ROOT) -> str:
+def shipped(path: str | Path) -> str:
     """Return `path` where it exists from the working directory, else the file of that name beside the workflow.
 
     A reference to the registry of published data is followed (:func:`jointwear.files.registered.locate`). A path that
@@ -26,16 +26,16 @@ def shipped(path: str | Path, root: Path = ROOT) -> str:
     """
     path = locate(str(path))
     # os.path takes a name that no system allows for a file that is not there.
-    if os.path.exists(path) or not os.path.exists(root / path):
+    if os.path.exists(path) or not os.path.exists(ROOT / path):
         return str(path)
-    return str(root / path)
+    return str(ROOT / path)
 
 
-def shipped_glob(pattern: str, root: Path = ROOT) -> list[Path]:
+def shipped_glob(pattern: str) -> list[Path]:
     """Return the files that match `pattern` in the working directory or beside the workflow, sorted by name.
 
     A file of the working directory hides the one of the same relative path beside the workflow.
     """
-    beside = {path.relative_to(root).as_posix(): path for path in root.glob(pattern)}
+    beside = {path.relative_to(ROOT).as_posix(): path for path in ROOT.glob(pattern)}
     here = {path.as_posix(): path for path in Path(".").glob(pattern)}
     return [path for _, path in sorted({**beside, **here}.items())]

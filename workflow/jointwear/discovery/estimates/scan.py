@@ -26,7 +26,7 @@ def gain_about_one(white: White, b: np.ndarray, gram: np.ndarray, off: float = n
     b : (..., k) X'r of the columns, gram : (..., k, k) what is left of X'X, as of
         :func:`jointwear.discovery.linear.gain`.
     off : factor by which the coefficient that fits may be off, either way, as
-        :func:`jointwear.discovery.search.acceptance.within_bounds` asks it.
+        :func:`jointwear.discovery.search.acceptance.bound_missed` asks it.
     """
     width = np.full(b.shape, white.problem.settings.usual)
     beyond = b - gram.sum(axis=-1)

@@ -351,11 +351,6 @@ def _nats_with_swing(white: White, beside: Fit, trial: Named) -> float:
     return gain_about_one(white, *beside.gram({a: white.columns(a, x) for a, x in ended.items()}))
 
 
-def within_bounds(white: White, beside: Fit, trial: Named) -> bool:
-    """Return whether the parameters of an effect, fitted beside a fit, are those of such an effect."""
-    return bound_missed(white, beside, trial) is None
-
-
 def bound_missed(white: White, beside: Fit, trial: Named) -> tuple[str, float, float] | None:
     """Return the bound that a parameter of an effect, fitted beside a fit, lies beyond, in words, with the value of the
     parameter and of the bound; None if none does.

@@ -67,12 +67,12 @@ class Agent:
     identifier: str | None = None
 
 
-def agent_of(environment: Mapping[str, str] = os.environ) -> Agent:
-    """Return the agent that AGENT (a name) and ORCID (an address or the bare number) name."""
-    orcid = environment.get("ORCID") or None
+def agent_of() -> Agent:
+    """Return the agent that AGENT (a name) and ORCID (an address or the bare number) of the environment name."""
+    orcid = os.environ.get("ORCID") or None
     if orcid and not orcid.startswith("https://"):
         orcid = f"https://orcid.org/{orcid}"
-    return Agent(environment.get("AGENT") or Agent.name, orcid)
+    return Agent(os.environ.get("AGENT") or Agent.name, orcid)
 
 
 def write_crate(

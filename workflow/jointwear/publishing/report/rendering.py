@@ -53,15 +53,13 @@ def _environment(templates: Path) -> Environment:
     return env
 
 
-def render_chapters(
-    context: Mapping[str, Any], folder: str = "chapters", only: Collection[str] | None = None
-) -> list[Chapter]:
-    """Render the chapters of a folder of templates, in order; empty ones are left out.
+def render_chapters(context: Mapping[str, Any], only: Collection[str] | None = None) -> list[Chapter]:
+    """Render the chapters of the report, in order; empty ones are left out.
 
     `only` holds the anchors of those to render; default all.
     """
     env, chapters = environment(), []
-    for name in sorted(n for n in env.list_templates() if n.startswith(f"{folder}/") and n.endswith(".html.j2")):
+    for name in sorted(n for n in env.list_templates() if n.startswith("chapters/") and n.endswith(".html.j2")):
         anchor = Path(name).name.removesuffix(".html.j2").partition("_")[2]
         if only is not None and anchor not in only:
             continue

@@ -30,12 +30,15 @@ ARCHIVED = tuple(stage for stage in STAGES if stage not in ("simulation", "featu
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip file can hold: the same results, the same archive
 
 
+#: JSON file of `make bench`; without it the page of changes names no times.
+MEASURED = "data/benchmarks/results.json"
+
+
 def write_site(
     output: str | Path,
     *,
     edits: Sequence[Mapping[str, Any]],
     wanted: Sequence[str] = (),
-    measured: str | Path = "data/benchmarks/results.json",
     root: str | Path = ".",
 ) -> None:
     """Write the site of the results under `root`/results.
@@ -43,9 +46,8 @@ def write_site(
     Parameters
     ----------
     output : folder of the site; what it held is replaced when the new site is complete.
-    edits : changes to try: `command`, `what`, for the page that lists them; times come from `measured`.
+    edits : changes to try: `command`, `what`, for the page that lists them; times come from :data:`MEASURED`.
     wanted : results of which everything behind them must be there, as Snakemake has recorded it.
-    measured : JSON file of `make bench`; without it the page names no times.
     root : folder of the project.
 
     Raises
@@ -83,7 +85,7 @@ def write_site(
         render = {
             "index.html": ("site.html.j2", {"pages": found, "count_files": len(files), "total": total}),
             "data.html": ("site_data.html.j2", {"groups": groups, "size": size_words, "total": total}),
-            "change.html": ("site_change.html.j2", {"edits": joined(edits, reruns(Path(root) / measured))}),
+            "change.html": ("site_change.html.j2", {"edits": joined(edits, reruns(Path(root) / MEASURED))}),
         }
         for page, (template, context) in render.items():
             (site / page).write_text(render_page(template, {**common, **context}), encoding="utf-8")

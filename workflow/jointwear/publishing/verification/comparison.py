@@ -21,7 +21,8 @@ from jointwear.files.json_documents import read_json
 from jointwear.files.storage import CHECKSUM, open_dataset, read_variable
 from jointwear.publishing.figures.seal import unsealed
 
-TOLERANCE = 1e-6  # of each number; single precision holds 6e-8
+#: Largest difference of a number allowed, as a share of the number itself; single precision holds 6e-8.
+TOLERANCE = 1e-6
 #: Numbers below this share of the largest of their variable count as if they were that large: what is left where large
 #: numbers cancel is round-off, allowed up to 1e-12 of the largest.
 CANCELLED = 1e-6
@@ -48,13 +49,12 @@ class Outcome:
     detail: str = ""
 
 
-def compare_files(ours: str | Path, theirs: str | Path, tolerance: float = TOLERANCE) -> Outcome:
+def compare_files(ours: str | Path, theirs: str | Path) -> Outcome:
     """Compare two files of the same kind.
 
     Parameters
     ----------
     ours, theirs : recomputed file and the one of the crate.
-    tolerance : largest difference of a number allowed, as a share of the number itself.
     """
     ours, theirs = Path(ours), Path(theirs)
     if not ours.is_file():
@@ -65,12 +65,12 @@ def compare_files(ours: str | Path, theirs: str | Path, tolerance: float = TOLER
         return Outcome(EQUAL)
     try:
         if ours.suffix == ".nc":
-            return _compare_netcdf(ours, theirs, tolerance)
+            return _compare_netcdf(ours, theirs)
         if ours.suffix == ".json":
-            return _compare_values(read_json(ours, object), read_json(theirs, object), tolerance)
+            return _compare_values(read_json(ours, object), read_json(theirs, object))
         if ours.suffix == ".html" and _outline(ours) != _outline(theirs):
             return Outcome(DIFFERENT, "its comments, scripts or long elements are not those of the recomputed page")
-        return _compare_text(_text(ours), _text(theirs), tolerance)
+        return _compare_text(_text(ours), _text(theirs))
     except InputError as error:
         return Outcome(DIFFERENT, str(error))
     except UnicodeDecodeError:
@@ -87,7 +87,7 @@ def _same_bytes(a: Path, b: Path) -> bool:
     return True
 
 
-def _compare_netcdf(a: Path, b: Path, tolerance: float) -> Outcome:
+def _compare_netcdf(a: Path, b: Path) -> Outcome:
     with open_dataset(a) as one, open_dataset(b) as other:
         if one.variables.keys() != other.variables.keys():
             changed = sorted(one.variables.keys() ^ other.variables.keys())
@@ -104,7 +104,7 @@ def _compare_netcdf(a: Path, b: Path, tolerance: float) -> Outcome:
                 largest, where = gap, name
         if _attributes(one, _VARYING_ATTRIBUTES) != _attributes(other, _VARYING_ATTRIBUTES):
             return Outcome(DIFFERENT, "global attributes differ")
-    if largest > tolerance:
+    if largest > TOLERANCE:
         return Outcome(DIFFERENT, f"{where}: a number differs by {largest:.2g} of its size")
     if largest > 0:
         return Outcome(CLOSE, f"{where}: a number differs by {largest:.2g} of its size")
@@ -142,11 +142,11 @@ def _without_varying(value: Any) -> Any:
     return {k: v for k, v in value.items() if k not in _VARYING_KEYS} if isinstance(value, dict) else value
 
 
-def _compare_values(a: Any, b: Any, tolerance: float) -> Outcome:
+def _compare_values(a: Any, b: Any) -> Outcome:
     largest = 0.0
     for place, x, y in _pairs(_without_varying(a), _without_varying(b), ""):
         gap = _number_gap(x, y)
-        if gap > tolerance:
+        if gap > TOLERANCE:
             return Outcome(DIFFERENT, f"{place.lstrip('.')}: {shown(x)}, in the crate {shown(y)}")
         largest = max(largest, gap)
     if largest == 0:
@@ -244,7 +244,7 @@ def _outline(path: Path) -> tuple[list[int], int, list[str]]:
     return [text.lower().count(opener) for opener in _OPENERS], within, long
 
 
-def _compare_text(a: str, b: str, tolerance: float) -> Outcome:
+def _compare_text(a: str, b: str) -> Outcome:
     if a == b:
         return Outcome(EQUAL, "but for dates, run times and versions")
     if _NUMBER.sub("#", a) != _NUMBER.sub("#", b):
@@ -254,6 +254,6 @@ def _compare_text(a: str, b: str, tolerance: float) -> Outcome:
         _number_gap(float(x), float(y)) for x, y in zip(_NUMBER.findall(a), _NUMBER.findall(b), strict=True) if x != y
     ]
     worst = max(gaps, default=0.0)
-    if worst > tolerance:
-        return Outcome(DIFFERENT, f"{sum(g > tolerance for g in gaps)} numbers differ, by up to {worst:.2g}")
+    if worst > TOLERANCE:
+        return Outcome(DIFFERENT, f"{sum(g > TOLERANCE for g in gaps)} numbers differ, by up to {worst:.2g}")
     return Outcome(CLOSE, f"numbers differ by up to {worst:.2g}")

@@ -15,6 +15,8 @@ from jointwear.studies.challenge.world import PlantState
 _SIGN_WIDTH = 4e-3
 #: Position error [rad] of a loop that has lost its path.
 LOST = 1.0
+#: Step of the integration [s].
+STEP = 1e-3
 #: How often a loop that loses its path is tuned down.
 _TRIES = 4
 
@@ -28,7 +30,6 @@ def track(
     duration: float,
     bandwidth: float,
     law: Callable[[PlantState], np.ndarray] | None = None,
-    step: float = 1e-3,
     integral: bool = False,
 ) -> list[SampledPath]:
     """Let a controller drive the arm along the paths, all recordings side by side.
@@ -39,14 +40,14 @@ def track(
     paths : r wanted motions. duration : of each [s].
     bandwidth : natural frequency of the PD loop [Hz]; it is critically damped with the mean mass of each joint.
     law : a hidden torque (r, n) [N m] that the arm feels, of the state (r rows; load and acceleration are zero).
-    step : of the integration [s]. integral : the controller also adds up the position error, four times as slowly.
+    integral : the controller also adds up the position error, four times as slowly.
 
     Returns
     -------
     list : what really moved, one a path, with the torque of the controller.
     """
-    count = round(duration / step) + 1
-    clock = step * np.arange(count)
+    count = round(duration / STEP) + 1
+    clock = STEP * np.arange(count)
     wanted = np.array([p.at(clock) for p in paths])  # (r, 3, m, n)
     rows, n = len(paths), arm.robot.joints
     feed = np.array([nominal.torque(*w) for w in wanted])
@@ -63,10 +64,10 @@ def track(
     for k in range(count):
         torque = feed[:, k] + stiff * (wanted[:, 0, k] - q) + damp * (wanted[:, 1, k] - v)
         if integral:
-            summed += step * rate / 4 * stiff * (wanted[:, 0, k] - q)
+            summed += STEP * rate / 4 * stiff * (wanted[:, 0, k] - q)
             torque = torque + summed
         # Everything is taken in the middle of the step, so that torque and motion belong to the same instant.
-        middle, speed = q + step / 2 * v, v + step / 2 * last
+        middle, speed = q + STEP / 2 * v, v + STEP / 2 * last
         turn = np.tanh(speed / _SIGN_WIDTH)
         level = np.where(speed > 0, positive, -negative)
         friction, slope = viscous * speed + level * turn, viscous + level * (1 - turn**2) / _SIGN_WIDTH
@@ -74,13 +75,13 @@ def track(
             state = PlantState(starts + clock[k], numbers, middle, speed, empty, warm[:, k], empty, empty)
             friction = friction + law(state) * np.abs(turn)
         # Linearly implicit in the friction: its slope near standstill is too steep for an explicit step.
-        mass = arm.mass_matrix(middle) + step / 2 * slope[:, :, None] * np.eye(n)
-        force = torque - arm.load(middle, speed, rest) - friction + step / 2 * slope * last
+        mass = arm.mass_matrix(middle) + STEP / 2 * slope[:, :, None] * np.eye(n)
+        force = torque - arm.load(middle, speed, rest) - friction + STEP / 2 * slope * last
         a = np.linalg.solve(mass, force[..., None])[..., 0]
-        kept[0, :, k], kept[1, :, k] = middle + step**2 / 8 * a, v + step / 2 * a
+        kept[0, :, k], kept[1, :, k] = middle + STEP**2 / 8 * a, v + STEP / 2 * a
         kept[2, :, k], kept[3, :, k] = a, torque
-        q, v, last = q + step * v + step**2 / 2 * a, v + step * a, a
-    return [SampledPath(step, *kept[:, r]) for r in range(rows)]
+        q, v, last = q + STEP * v + STEP**2 / 2 * a, v + STEP * a, a
+    return [SampledPath(STEP, *kept[:, r]) for r in range(rows)]
 
 
 class ArmLost(ArithmeticError):

@@ -64,8 +64,9 @@ class Conditions:
         return Conditions(self.temperature[chosen], self.speed[chosen], self.tool[chosen])
 
 
-def conditions(scenario: str | None, hours: int = NORMAL + LEARNT + JUDGED) -> Conditions:
+def conditions(scenario: str | None) -> Conditions:
     """Return the conditions of a scenario of :data:`SCENARIOS`, or steady ones for None."""
+    hours = NORMAL + LEARNT + JUDGED
     hour = np.arange(hours, dtype=float)
     after = hour >= NORMAL
     temperature, speed, tool = np.full(hours, 25.0), np.ones(hours), np.zeros(hours, dtype=bool)

@@ -10,6 +10,9 @@ import numpy as np
 
 from jointwear.studies.multiverse.dimensions import Reading
 
+#: Interactions of two dimensions that are told.
+PAIRS = 10
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -46,8 +49,8 @@ def _adjusted(gain: float, freedom: int, residual_mean: float, total: float) -> 
     return max(gain - freedom * residual_mean, 0.0) / (total + residual_mean)
 
 
-def influence(readings: Sequence[Reading], values: np.ndarray, pairs: int = 10) -> tuple[list[Effect], list[Effect]]:
-    """Return main effects, strongest first, and the `pairs` strongest interactions of two dimensions.
+def influence(readings: Sequence[Reading], values: np.ndarray) -> tuple[list[Effect], list[Effect]]:
+    """Return main effects, strongest first, and the :data:`PAIRS` strongest interactions of two dimensions.
 
     Parameters
     ----------
@@ -102,4 +105,4 @@ def influence(readings: Sequence[Reading], values: np.ndarray, pairs: int = 10) 
         }
         effects.append(Effect((a, b), share, p_value(residual - rest, larger - rank, rest, rest_free), means))
     effects.sort(key=lambda e: -e.share)
-    return main, effects[:pairs]
+    return main, effects[:PAIRS]

@@ -61,11 +61,11 @@ def target_of(published: Published, tasks: list[str], increases: list[float], ax
     )
 
 
-def _median(values: np.ndarray, axis: int = -1) -> np.ndarray:
+def _median(values: np.ndarray) -> np.ndarray:
     with warnings.catch_warnings():
         # A cell that is never detected has no hour; its median is NaN.
         warnings.simplefilter("ignore", RuntimeWarning)
-        return np.nanmedian(values, axis=axis)
+        return np.nanmedian(values, axis=-1)
 
 
 def agreement(probability: np.ndarray, detected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,8 @@ import numpy as np
 from jointwear.studies.multiverse.dimensions import SIMULATION, Dimension, Reading, stage_names
 
 LOCATION = stage_names("location")
+#: Probability with which a dimension of a new reading is left to chance.
+CHANGE = 0.12
 Evaluate = Callable[[list[Reading]], np.ndarray]
 
 
@@ -22,13 +24,12 @@ def recombined(
     count: int,
     random: np.random.Generator,
     known: set[tuple],
-    change: float = 0.12,
 ) -> list[Reading]:
     """Return up to `count` new readings made of the parents, best first among them.
 
     Simulation comes from one parent as a whole, and so does location, so that what fits together stays together
     and simulations are shared; every other dimension comes from either of two parents, or with the probability
-    `change` from chance. Readings in `known` are not made again; new ones are added to it.
+    :data:`CHANGE` from chance. Readings in `known` are not made again; new ones are added to it.
     """
     weight = np.exp(-np.arange(len(parents)) / max(len(parents) / 3, 1))
     weight /= weight.sum()
@@ -43,7 +44,7 @@ def recombined(
                 child[d.name] = first[d.name]
             elif d.name in LOCATION:
                 child[d.name] = third[d.name]
-            elif random.random() < change:
+            elif random.random() < CHANGE:
                 child[d.name] = d.values[random.integers(len(d.values))]
             else:
                 child[d.name] = (first, second)[random.integers(2)][d.name]

@@ -90,8 +90,8 @@ def _times(*fields: str) -> Callable[[Coefficients, np.ndarray], None]:
     return apply
 
 
-def _each_axis(name: str, lower: float, upper: float, unit: str = "1") -> tuple[Parameter, ...]:
-    return tuple(Parameter(name, 1.0, lower, upper, unit, axis) for axis in range(1, AXES + 1))
+def _each_axis(name: str, lower: float, upper: float) -> tuple[Parameter, ...]:
+    return tuple(Parameter(name, 1.0, lower, upper, "1", axis) for axis in range(1, AXES + 1))
 
 
 COMPONENTS: dict[str, Component] = {
