@@ -2,6 +2,7 @@
 
 import os
 
+import numpy as np
 import pytest
 
 from jointwear.files.errors import InputError
@@ -49,6 +50,43 @@ def test_a_sound_arm_is_read_and_built(tmp_path):
     arm = Dynamics(load_robot(write(tmp_path, ARM)))
     assert arm.robot.joint_names == ("shoulder", "elbow")
     assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
+
+
+@pytest.mark.parametrize("axis", ["1 0 0", "0 1 0", "0 0 1", "0 0 -1", "0 -1 0", "0 0 2", "1 -2 0.5", "-3e-6 0 0"])
+def test_a_continuous_joint_turns_as_a_revolute_one_about_any_axis(tmp_path, axis):
+    rng = np.random.default_rng(3)
+    motion = rng.normal(size=(3, 50, 2))
+    torque, tip = [], []
+    for kind in ("revolute", "continuous"):
+        first = joint("shoulder", "base", "upper", kind).replace("0 1 0", axis)
+        last = (
+            joint("elbow", "upper", "lower", kind).replace("0 1 0", axis).replace("<axis", '<origin xyz="0 0 1"/><axis')
+        )
+        arm = Dynamics(load_robot(write(tmp_path, [*ARM[:3], first, last])))
+        torque.append(arm.rigid_body_torque(*motion))
+        tip.append(arm.forward_kinematics(motion[0])[0])
+        assert np.isfinite(arm.torque_slopes(*motion)).all()
+    np.testing.assert_allclose(torque[1], torque[0], rtol=0, atol=1e-12 * np.abs(torque[0]).max())
+    np.testing.assert_allclose(tip[1], tip[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["prismatic", "floating", "planar", "spherical", "ball", ""])
+def test_other_kinds_of_joints_are_refused_with_those_that_are_known(tmp_path, kind):
+    parts = [*ARM[:4], joint("elbow", "upper", "lower", kind)]
+    with pytest.raises(InputError, match=r"arm\.urdf: joint 'elbow' \(.+\); only revolute and continuous") as refused:
+        load_robot(write(tmp_path, parts))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_joint_that_has_no_angle_in_the_model_is_refused(tmp_path, monkeypatch):
+    """Whatever Pinocchio makes of a file that passed: one message, and no error deep in the mechanics."""
+    robot = load_robot(write(tmp_path, ARM))
+    changed_since = (
+        (tmp_path / "arm.urdf").read_text().replace('name="elbow" type="revolute"', 'name="elbow" type="planar"')
+    )
+    monkeypatch.setattr("jointwear.robots.dynamics.text_of", lambda path: changed_since)
+    with pytest.raises(InputError, match=r"no single angle for joint 'elbow' .*allowed: revolute and continuous"):
+        Dynamics(robot)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "iso-8859-1"])

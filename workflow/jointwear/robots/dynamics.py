@@ -12,6 +12,7 @@ import pinocchio as pin
 from jointwear.files.errors import InputError
 from jointwear.robots.robot import Link, Robot
 from jointwear.robots.urdf_file import moving_mass, text_of
+from jointwear.robots.urdf_tree import MOVING
 
 _BLOCK = 4096  # states
 #: Name of the frame at the tip of the arm; a URDF may have frames of any ordinary name.
@@ -66,15 +67,19 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
         # Continuous joints have a (cos, sin) pair as position; the project's positions are angles.
         root = pin.Model()
         for joint in range(1, full.njoints):
-            kind = full.joints[joint].shortname()
-            unbounded = kind.startswith("JointModelRUB")
-            model = getattr(pin, kind.replace("RUB", "R"))() if unbounded else full.joints[joint]
+            model = _turning_by_angle(full.joints[joint])
             index = root.addJoint(full.parents[joint], model, full.jointPlacements[joint], full.names[joint])
             root.appendBodyToJoint(index, full.inertias[joint], pin.SE3.Identity())
         for candidate in full.frames:
             if candidate.type == pin.FrameType.BODY:
                 root.addFrame(pin.Frame(candidate.name, candidate.parentJoint, 0, candidate.placement, candidate.type))
         full = root
+    strange = [
+        f"'{full.names[k]}' ({full.joints[k].shortname()})" for k in range(1, full.njoints) if full.joints[k].nq != 1
+    ]
+    if strange:
+        told = f"Pinocchio has no single angle for joint {', '.join(strange)}"
+        raise InputError(f"{robot.urdf}: {told} (allowed: {' and '.join(MOVING)})")
     names = list(full.names)[1:]
     if names != list(robot.joint_names):
         raise InputError(f"{robot.urdf}: joints are {names}, the robot file has {list(robot.joint_names)}")
@@ -85,6 +90,23 @@ def _model_of_urdf(robot: Robot) -> pin.Model:
     tip = last[-1].placement if last else pin.SE3.Identity()
     full.addFrame(pin.Frame(TIP, full.njoints - 1, 0, tip, pin.FrameType.OP_FRAME))
     return full
+
+
+def _turning_by_angle(joint: pin.JointModel) -> pin.JointModel:
+    """Return a joint that turns about the same axis by an angle; any other than an unbounded one as it is."""
+    if joint.nv != 1 or joint.nq != 2:
+        return joint
+    aligned = {
+        "JointModelRUBX": pin.JointModelRX,
+        "JointModelRUBY": pin.JointModelRY,
+        "JointModelRUBZ": pin.JointModelRZ,
+    }
+    if joint.shortname() in aligned:
+        return aligned[joint.shortname()]()
+    # About any other axis, of which Pinocchio shows the direction in what the joint does alone.
+    data = joint.createData()
+    joint.calc(data, np.array([1.0, 0.0]))
+    return pin.JointModelRevoluteUnaligned(data.S[3:].ravel())
 
 
 class Dynamics:
