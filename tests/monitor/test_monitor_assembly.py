@@ -5,8 +5,10 @@ from datetime import datetime
 from zoneinfo import ZoneInfo
 
 import numpy as np
+import pyarrow as pa
 import pytest
 
+from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.monitor.findings.clocks import clock_findings
 from jointwear.monitor.reading.assembly import Piece, assemble
 from jointwear.monitor.reading.windows import blank_statistics
@@ -217,3 +219,14 @@ def test_the_hour_that_comes_twice_is_told_where_it_is_not_known():
         p.statistics.end[:] += DAY
     (words,) = assemble(later, "Europe/Berlin").pieces[2].refused
     assert "of another robot, or a second export" in words
+
+
+def test_a_logger_that_does_not_turn_its_clock_is_told_once_for_the_robot():
+    local = LocalStamps("Europe/Berlin")
+    local.seconds(pa.array(np.datetime64("2026-03-29T02:10:00", "s") + np.arange(100)))
+    told = [f"{name}.csv: 100 rows left out: {local.none_such[1]}" for name in "bc"]
+    days = [piece("a.csv", 0), *(replace(piece(t[:5], 24 * k), refused=(t,)) for k, t in enumerate(told, 1))]
+    (found,) = clock_findings(assemble(days))
+    assert found["kind"] == "clock"
+    assert found["words"] == told[0] + "."
+    assert clock_findings(assemble(days[:1])) == []

@@ -23,7 +23,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
-from jointwear.measurement.formats.chunk import Chunk, joined
+from jointwear.measurement.formats.chunk import Chunk, joined, rows_of
 from jointwear.measurement.late_samples import LATE, ahead_of, first_long_run, lone_end, lone_start
 
 GAP = 5.0
@@ -229,9 +229,6 @@ class Clock:
         return np.r_[:begins, len(kept) - ends : len(kept)]
 
 
-_ARRAYS = ("time", "position", "torque", "velocity", "acceleration", "temperature", "trajectory", "program")
-
-
 def join(parts: list[Ordered]) -> Ordered:
     """Return parts of one log that follow each other as one; a bag may carry velocity in some of them only."""
     if len(parts) == 1:
@@ -242,6 +239,4 @@ def join(parts: list[Ordered]) -> Ordered:
 
 def part_of(ordered: Ordered, chosen: slice | np.ndarray) -> Ordered:
     """Return some of the samples (m,); `chosen`, a slice, an index or a mask."""
-    chunk = ordered.chunk
-    arrays = {n: None if getattr(chunk, n) is None else getattr(chunk, n)[chosen] for n in _ARRAYS}
-    return Ordered(replace(chunk, **arrays), ordered.stretch[chosen], ordered.flags[chosen])
+    return Ordered(rows_of(ordered.chunk, chosen), ordered.stretch[chosen], ordered.flags[chosen])

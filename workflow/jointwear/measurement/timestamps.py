@@ -104,6 +104,11 @@ def _iso_of(given: str) -> dict[str, str]:
     return found
 
 
+def zone_of_offset(hours: int) -> str:
+    """Return the IANA name of an offset all year, `hours` east of Greenwich; these names count to the west."""
+    return f"Etc/GMT{-hours:+d}"
+
+
 def utc_seconds(text: str, zone: tzinfo = UTC) -> float:
     """Return seconds since 1970 UTC of an ISO 8601 time; without a zone it counts in `zone`.
 

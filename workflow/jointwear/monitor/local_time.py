@@ -8,6 +8,7 @@ from datetime import UTC, datetime, tzinfo
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
 
 from jointwear.files.errors import InputError, nearest, shown
+from jointwear.measurement.timestamps import zone_of_offset
 
 DEFAULT_ZONE = "UTC"
 #: A time in the words of a finding.
@@ -47,8 +48,7 @@ def _meant(name: str) -> str:
     """Return what to give in place of an offset, or of an abbreviation, which is no zone; empty for all else."""
     offset = _OFFSET.fullmatch(name.strip())
     if offset and -12 <= (hours := int(offset["hours"])) <= 14:
-        # Names of offsets count west of Greenwich.
-        return f"; 'Etc/GMT{-hours:+d}' is this offset all year; where summer time is kept, name the place"
+        return f"; '{zone_of_offset(hours)}' is this offset all year; where summer time is kept, name the place"
     return "; an abbreviation is no zone: name the place" if _ABBREVIATION.fullmatch(name) else ""
 
 

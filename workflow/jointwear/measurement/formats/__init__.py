@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from jointwear.files.errors import NO_SAMPLES, InputError
 from jointwear.files.regular_files import check_regular
+from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.bursts import without_bursts
-from jointwear.measurement.formats.chunk import Chunk
+from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, rows_of
 from jointwear.measurement.formats.first_bytes import ENOUGH, check_kind
 from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.formats.rows_apart import in_one_row
@@ -30,6 +33,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
     Raises
     ------
     InputError : one line naming the file, what is wrong, and what there is.
+    RowsLeftOut : after the last sample, if rows were left out, of a wrong length or of times that do not exist.
     """
     kind = log_format(path)
     if kind is None:
@@ -47,7 +51,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
     else:
         from jointwear.measurement.formats.bag import read
     empty = True
-    for chunk in read(Path(path), layout, rows):
+    for chunk in _existing(path, read(Path(path), layout, rows)):
         if len(chunk.time):
             if empty:
                 check_clock(path, chunk.time[:CLOCK_LOOK], chunk.units.get("time", "s"))
@@ -55,6 +59,28 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
             yield without_bursts(in_one_row(chunk))
     if empty:
         raise InputError(f"{path}: {NO_SAMPLES}")
+
+
+def _existing(path: str | Path, chunks: Iterator[Chunk]) -> Iterator[Chunk]:
+    """Yield chunks without rows of times that do not exist where the log was written.
+
+    Raises
+    ------
+    RowsLeftOut : after the last one, if rows were left out here or by the reader.
+    """
+    told, left_out, words = "", 0, ""
+    try:
+        for chunk in chunks:
+            count, why = chunk.none_such
+            left_out, words = left_out + count, words or why
+            yield rows_of(chunk, np.isfinite(chunk.time)) if count else chunk
+    except RowsLeftOut as error:
+        told = str(error)
+    if left_out:
+        told = f"{told}; " if told else f"{path}: "
+        told += f"{counted(left_out, 'row')} left out: {words}"
+    if told:
+        raise RowsLeftOut(told)
 
 
 def _begin(path: Path) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,7 @@ def chunk_of(
     """Return one record batch as a chunk; `columns` role -> names of its columns, `units` role -> unit in the log, or
     one for each column;
     `stamped`, of the log, has seen all batches before."""
-    values, dated = {}, False
+    values, dated, none_such = {}, False, (0, "")
     for role, names in columns.items():
         if role == "program":
             values[role] = joined_labels(path, [_labels(batch.column(name)) for name in names])
@@ -40,13 +41,13 @@ def chunk_of(
                 column = stamps(path, column.cast(pa.string()))
             if role == "time" and pa.types.is_timestamp(column.type):
                 arrays.append(stamped.seconds(column))
-                dated = True
+                dated, none_such = True, stamped.none_such
             else:
                 arrays.append(_numbers(path, name, column))
         values[role] = arrays[0] if role in ("time", "trajectory") or len(arrays) == 1 else np.stack(arrays, axis=1)
         if role not in ("time", "trajectory", "temperature") and len(arrays) == 1:
             values[role] = arrays[0][:, None]
-    return make_chunk(path, values, layout, units or {}, dated)
+    return replace(make_chunk(path, values, layout, units or {}, dated), none_such=none_such)
 
 
 def stamps(path: Path, column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.ChunkedArray:

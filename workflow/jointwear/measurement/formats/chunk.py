@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +30,7 @@ _EPOCHS = (1e3, 1e6, 1e9)
 
 
 class RowsLeftOut(InputError):
-    """Said after the last sample: all was read but a few rows of a wrong length."""
+    """Said after the last sample: all was read but rows of a wrong length, or of times that do not exist."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,8 @@ class Chunk:
     unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `factors`: those
     of the config that the arrays are multiplied by already, :class:`~jointwear.measurement.stated.Stated`. `missing`:
     role -> values that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left
-    out, and the first of them in words.
+    out, and the first of them in words. `none_such`: how many rows have a time that does not exist in the zone of the
+    log, NaN, and the first of them in words.
     """
 
     time: np.ndarray
@@ -59,10 +60,20 @@ class Chunk:
     factors: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     missing: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     unread: tuple[int, str] = (0, "")
+    none_such: tuple[int, str] = (0, "")
+
+
+#: What a chunk has for each of its samples.
+_ARRAYS = ("time", *JOINT_ROLES, "trajectory", "program")
+
+
+def rows_of(chunk: Chunk, chosen: slice | np.ndarray) -> Chunk:
+    """Return some rows of a chunk; `chosen`, a slice, an index or a mask (m,)."""
+    return replace(chunk, **{name: None if (x := getattr(chunk, name)) is None else x[chosen] for name in _ARRAYS})
 
 
 def joined(chunks: Sequence[Chunk], fill: bool = False) -> Chunk:
-    """Return the chunks of one log that follow each other as one; `unread` is not kept.
+    """Return the chunks of one log that follow each other as one; `unread` and `none_such` are not kept.
 
     Parameters
     ----------
@@ -80,14 +91,13 @@ def joined(chunks: Sequence[Chunk], fill: bool = False) -> Chunk:
             [np.full((len(c.time), *shape), np.nan) if p is None else p for p, c in zip(parts, chunks, strict=True)]
         )
 
-    roles = [f.name for f in fields(Chunk) if f.name not in ("dated", "units", "factors", "missing", "unread")]
     missing = {
         role: tuple(sorted({x for chunk in chunks for x in chunk.missing.get(role, ())}))
         for role in dict.fromkeys(role for chunk in chunks for role in chunk.missing)
     }
     dated = all(chunk.dated for chunk in chunks)
     said = {"units": chunks[0].units, "factors": chunks[0].factors}
-    return Chunk(**{role: whole(role) for role in roles}, dated=dated, missing=missing, **said)
+    return Chunk(**{role: whole(role) for role in _ARRAYS}, dated=dated, missing=missing, **said)
 
 
 def unread_in_words(told: Iterable[tuple[int, str]]) -> str:

@@ -1,18 +1,33 @@
-"""Time stamps of Arrow tables as seconds, those that name no zone by the clock on the wall."""
+"""Time stamps of logs as seconds, those that name no zone by the clock on the wall."""
 
 from __future__ import annotations
+
+from datetime import UTC, datetime
+from zoneinfo import ZoneInfo
 
 import numpy as np
 import pyarrow as pa
 from pyarrow import compute
 
 from jointwear.measurement.late_samples import first_long_run
+from jointwear.measurement.timestamps import LATEST, zone_of_offset
+
+#: Time [s since 1970], the year 2128, from which on rules of summer time are not asked for; nanoseconds still reach it.
+FURTHEST = LATEST / 2
+#: What hours that do not exist prove.
+UNTURNED = "the logger does not turn its clock"
 
 
 class LocalStamps:
     """Turns the stamps of one log, batch after batch in order, into seconds since 1970 UTC.
 
     Where summer time ends an hour of the wall clock comes twice. Its stamps are of the first time until they fall back.
+    Where it begins an hour is left out. A few stamps of it, rounded or astray, are of the moment at which it begins;
+    more of them in a row prove that the logger does not turn its clock: they count for no time.
+
+    Attributes
+    ----------
+    none_such : how many of the last stamps count for no time, and in words why, empty where none.
 
     Parameters
     ----------
@@ -22,15 +37,15 @@ class LocalStamps:
     def __init__(self, zone: str | None = None) -> None:
         self._zone = zone
         self._highest, self._second = -np.inf, False
+        self._unturned = False
+        self.none_such: tuple[int, str] = (0, "")
 
     def seconds(self, column: pa.Array | pa.ChunkedArray) -> np.ndarray:
         """Return the next stamps as seconds since 1970 UTC, (m,), NaN where there is none."""
+        self.none_such = (0, "")
         if self._zone is None or column.type.tz is not None:
             return _seconds(column)
-        found, later = (
-            _seconds(compute.assume_timezone(column, self._zone, ambiguous=which, nonexistent="latest"))
-            for which in ("earliest", "latest")
-        )
+        found, later = (_seconds(self._zoned(column, which)) for which in ("earliest", "latest"))
         twice = later > found
         begin = 0 if self._second else self._fall(found, twice)
         if begin is not None:
@@ -39,12 +54,56 @@ class LocalStamps:
         if len(known):
             self._highest = float(np.fmax(self._highest, found[known].max()))
             self._second = bool(begin is not None and twice[known[-1]])
-        return found
+        return self._without_none_such(column, found)
+
+    def of_wall_clock(self, seconds: np.ndarray) -> np.ndarray:
+        """Return the next times (m,) as seconds since 1970 UTC, NaN where there is none.
+
+        Parameters
+        ----------
+        seconds : (m,) from 1970 to the time, both by the clock on the wall; from :data:`FURTHEST` on they stay.
+        """
+        known = np.abs(seconds) < FURTHEST
+        ticks = np.round(np.where(known, seconds, 0.0) * 1e9).astype(np.int64)
+        shown = pa.array(ticks, mask=~known).cast(pa.timestamp("ns"))
+        return np.where(known, seconds + (self.seconds(shown) - _seconds(shown)), seconds)
+
+    def _zoned(self, column: pa.Array | pa.ChunkedArray, ambiguous: str, nonexistent: str = "latest") -> pa.Array:
+        """Return stamps by the clock on the wall with their zone."""
+        return compute.assume_timezone(column, self._zone, ambiguous=ambiguous, nonexistent=nonexistent)
+
+    def _without_none_such(self, column: pa.Array | pa.ChunkedArray, found: np.ndarray) -> np.ndarray:
+        """Return `found` with NaN for stamps of an hour that does not exist, once more of them than a few follow each
+        other."""
+        try:
+            self._zoned(column, "earliest", "raise")
+            return found
+        except pa.ArrowInvalid:
+            # A nanosecond apart, which seconds would not show.
+            ends = (self._zoned(column, "earliest", which) for which in ("earliest", "latest"))
+            absent = np.asarray(compute.fill_null(compute.not_equal(*ends), False))
+        self._unturned |= first_long_run(absent) is not None
+        if not self._unturned:
+            return found
+        first = datetime.fromtimestamp(int(_seconds(column)[np.argmax(absent)]), tz=UTC).replace(tzinfo=None)
+        self.none_such = (int(absent.sum()), _of_unturned(first, self._zone))
+        return np.where(absent, np.nan, found)
 
     def _fall(self, found: np.ndarray, twice: np.ndarray) -> int | None:
         """Return where stamps of an hour that comes twice fall back behind those before them, None where none do."""
         before = np.fmax.accumulate(np.concatenate([[self._highest], found]))[:-1]
         return first_long_run(twice & (found < before))
+
+
+def _of_unturned(stamp: datetime, zone: str) -> str:
+    """Return in words that a time does not exist in a zone, and what to state in its place."""
+    hours = ZoneInfo(zone).utcoffset(stamp).total_seconds() / 3600
+    winter = f"'{zone_of_offset(int(hours))}' where it keeps winter time, " if hours and hours.is_integer() else ""
+    return (
+        f"the time {stamp.isoformat(sep=' ')} does not exist in {zone}, where summer time begins: {UNTURNED}, "
+        "and its times in summer are read wrong; state 'time_zone' as "
+        f"{winter}'UTC' where it keeps that"
+    )
 
 
 def _seconds(column: pa.Array | pa.ChunkedArray) -> np.ndarray:

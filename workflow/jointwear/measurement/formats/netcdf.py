@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from datetime import timedelta
 from pathlib import Path
 
 import netCDF4
@@ -12,6 +15,7 @@ from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.storage import open_dataset, read_variable
 from jointwear.measurement.formats.chunk import NEEDED, Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.formats.programs import joined_labels
 from jointwear.measurement.units import UNITS, spelled
 
@@ -52,8 +56,8 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             if there[name].dtype == str or there[name].dtype.kind not in "fiu":
                 raise InputError(f"{path}: variable '{name}' for {role} does not hold numbers")
         units = {role: str(there[name].units) for role, name in names.items() if hasattr(there[name], "units")}
-        factor, origin = _date(path, there[names["time"]])
-        dated = origin is not None
+        factor, origin, zoned = _date(path, there[names["time"]])
+        dated, local = origin is not None, LocalStamps(None if zoned else layout.time_zone)
         for start in range(0, count["time"], rows):
             part = slice(start, start + rows)
             values = {
@@ -64,8 +68,8 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
                 labels = [read_variable(dataset, path, name, part) for name in layout.program]
                 values["program"] = joined_labels(path, [np.asarray(x) for x in labels])
             if dated:
-                values["time"] = values["time"] * factor + origin
-            yield make_chunk(path, values, layout, units, dated)
+                values["time"] = local.of_wall_clock(values["time"] * factor + origin)
+            yield replace(make_chunk(path, values, layout, units, dated), none_such=local.none_such)
 
 
 def _turned(there: Mapping[str, netCDF4.Variable], names: Mapping[str, str], samples: int) -> str:
@@ -114,21 +118,49 @@ def _attribute(path: Path, variable: netCDF4.Variable, name: str, *default: floa
     return found.astype(float)
 
 
-def _date(path: Path, variable: netCDF4.Variable) -> tuple[float, float | None]:
-    """Return the length [s] of the unit and the origin [s since 1970 UTC] of CF time units, or None without a date."""
+#: CF units of time: what the library reads, and the zone behind it, of which it leaves out what it does not know.
+_SINCE = re.compile(
+    r"(?P<date>.*\ssince\s+[-+]?\d+(?:-\d+){0,2}(?:(?:T|\s+)\d+(?::\d+){0,2}(?:\.\d*)?)?)\s*(?P<zone>.*?)\s*",
+    re.ASCII | re.IGNORECASE | re.DOTALL,
+)
+_OFFSET = re.compile(r"(?P<sign>[+-])(?P<hours>\d{1,2})(?::?(?P<minutes>\d\d))?", re.ASCII)
+_GREENWICH = ("Z", "UTC", "GMT")
+
+
+def _date(path: Path, variable: netCDF4.Variable) -> tuple[float, float | None, bool]:
+    """Return of CF time units the length [s], the origin [s since 1970] or None without a date, and whether it is UTC.
+
+    An origin that names no zone is one of the clock on the wall, as xarray writes it. That of Unix time is UTC.
+
+    Raises
+    ------
+    InputError : if the units, the calendar or the zone are not known.
+    """
     units = str(getattr(variable, "units", ""))
     if " since " not in units:
-        return 1.0, None
+        return 1.0, None, True
     calendar = str(getattr(variable, "calendar", CALENDARS[0]))
     if calendar.lower() not in CALENDARS:
         raise InputError(f"{path}: the calendar of time is {shown(calendar)} (allowed: {', '.join(CALENDARS)})")
+    said = _SINCE.fullmatch(units)
+    date, zone = (said["date"], said["zone"]) if said else (units, "")
+    offset = _OFFSET.fullmatch(zone)
+    if zone and not offset and zone.upper() not in _GREENWICH:
+        raise InputError(
+            f"{path}: the unit {shown(units)} of time has {shown(zone)} behind its date, which is no zone (allowed: "
+            f"{', '.join(_GREENWICH)}, an offset as +01:00, or none)"
+        )
     # The library knows the date of every origin, but no nanoseconds, in which xarray writes what pandas holds.
-    word, moment = units.split(" since ", 1)
+    word, moment = date.split(" since ", 1)
     length = UNITS["time"].get(spelled("time", word.lower())) if word.strip() else None
-    known = units if length is None else f"seconds since {moment}"
+    known = date if length is None else f"seconds since {moment}"
     try:
         zero, one = netCDF4.num2date([0, 1], known, only_use_cftime_datetimes=False, only_use_python_datetimes=True)
-    except (ValueError, OverflowError) as error:
+    except (ValueError, OverflowError, TypeError) as error:
         raise InputError(f"{path}: the unit {shown(units)} of time is not known ({error})") from None
-    epoch = (zero - type(zero)(1970, 1, 1)).total_seconds()
-    return (one - zero).total_seconds() if length is None else length[0], epoch
+    origin = (zero - type(zero)(1970, 1, 1)).total_seconds()
+    factor = (one - zero).total_seconds() if length is None else length[0]
+    if offset:
+        east = timedelta(hours=int(offset["hours"]), minutes=int(offset["minutes"] or 0)).total_seconds()
+        return factor, origin - (east if offset["sign"] == "+" else -east), True
+    return factor, origin, bool(zone) or origin == 0

@@ -1,4 +1,5 @@
-"""Logs whose dates lie far before those of the logs that come before them by name: a clock that was set back."""
+"""Clocks of loggers: one that was set back, so that logs lie far before those that come before them by name, and one
+that is not turned where summer time begins."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.measurement.formats.local_stamps import UNTURNED
 from jointwear.monitor.findings.findings import moment_words
 from jointwear.monitor.reading.assembly import History
 from jointwear.monitor.reading.misdated import PAUSE
@@ -15,6 +17,22 @@ CLOCK = "clock"
 
 
 def clock_findings(history: History) -> list[dict[str, Any]]:
+    """Return what is wrong with the clock of the logger, one finding for each fault of the whole history."""
+    return [*_set_back(history), *_unturned(history)]
+
+
+def _unturned(history: History) -> list[dict[str, Any]]:
+    """Return a finding where logs hold hours that do not exist in their zone, or none; the first of them stands for
+    all."""
+    told = [(p, line) for p in history.pieces for line in p.refused if UNTURNED in line]
+    if not told:
+        return []
+    piece, line = told[0]
+    begin = piece.first if np.isfinite(piece.first) else float(history.statistics.start[0])
+    return [{"time": float(begin), "axes": [], "kind": CLOCK, "words": f"{line}."}]
+
+
+def _set_back(history: History) -> list[dict[str, Any]]:
     """Return a finding where logs lie :data:`PAUSE` and more before all others though most of these come before them by
     name, or none: they count as of the time that they say, so that a baseline may hold what came after it."""
     if not history.statistics.dated:
