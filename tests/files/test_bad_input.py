@@ -90,6 +90,56 @@ def test_what_snakemake_reads_as_text_is_a_number_where_one_is_allowed(config, t
     assert not isinstance(entry["window"], str)
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("replicates: '120'", "'replicates' is '120', must be a whole number (allowed: >= 1"),
+        ("replicates: '120'", "; the nearest valid value is 120"),
+        ("wear: {increase_percent: [10, '5e1']}", "'wear.increase_percent[1]' is '5e1', must be a number"),
+        ("wear: {increase_percent: [10, '5e1']}", "; the nearest valid value is 50"),
+    ],
+)
+def test_a_number_in_quotation_marks_is_refused_in_a_configuration_as_in_a_robot_file(tmp_path, config, text, words):
+    """In the file as it was written: 5e4 without them is a number."""
+    (tmp_path / "my.yaml").write_text(text)
+    with pytest.raises(InputError) as refused:
+        prepare(config, [tmp_path / "my.yaml"])
+    assert str(refused.value).startswith(f"{tmp_path / 'my.yaml'}: ")
+    assert words in str(refused.value)
+    (tmp_path / "my.yaml").write_text(text.replace("'", ""))
+    prepare(config, [tmp_path / "my.yaml"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("mass: 3.0", "mass: 1.0e+308", "(allowed: <= 100000); the nearest valid value is 100000"),
+        ("mass: 3.0", "mass: -1.0e+308", "(allowed: >= 0); the nearest valid value is 0"),
+        ("d: 0.0", "d: -1.0e+19", "(allowed: >= -100); the nearest valid value is -100"),
+        ("name: only", "name: ''", "'joints[0].name' is '', which is blank (allowed: 1 to 100); the nearest valid"),
+        ("name: only", "name: ' '", "'joints[0].name' is ' ', which is blank (allowed: 1 to 100); the nearest valid"),
+        (
+            "name: only",
+            f"name: {'x' * 100_000}",
+            "'joints[0].name' has 100000 characters (allowed: 1 to 100); the near",
+        ),
+    ],
+)
+def test_a_robot_file_names_the_limit_of_the_key(tmp_path, old, new, words):
+    text = (
+        "name: x\ndh:\n  - {d: 0.0, a: 1.0, alpha: 0.0}\nlinks:\n"
+        "  - {mass: 3.0, com: [-0.5, 0, 0], inertia: [0.1, 0.3, 0.3, 0, 0, 0]}\njoints:\n"
+        "  - {name: only, limits: [-1, 1]}\n"
+    )
+    (tmp_path / "x.yaml").write_text(text)
+    read_robot_file(tmp_path / "x.yaml")
+    (tmp_path / "x.yaml").write_text(text.replace(old, new))
+    with pytest.raises(InputError) as refused:
+        read_robot_file(tmp_path / "x.yaml")
+    assert words in str(refused.value)
+    assert len(str(refused.value)) < 400
+
+
 def test_text_that_holds_a_number_is_one_where_no_text_is_allowed(config):
     prepared = prepare(put(put(config, "replicates", "120"), "wear.increase_percent", ["10", ".5"]))
     assert prepared["replicates"] == 120

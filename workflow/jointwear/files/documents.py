@@ -182,8 +182,8 @@ def check_written_out(text: str, name: str) -> None:
         raise InputError(f"{name}: is nested too deeply") from None
 
 
-def read_yaml(path: str | Path) -> dict[str, Any]:
-    """Read a YAML mapping.
+def read_yaml(path: str | Path, schema: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Read a YAML mapping; `schema` names the limits of numbers that no document may hold.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path}: is empty; a mapping of keys to values is expected, as 'key: value' in a line")
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a mapping of keys to values")
-    check_numbers(data, path)
+    check_numbers(data, path, schema)
     return data
 
 

@@ -12,30 +12,51 @@ from jointwear.files.errors import InputError, shown
 LARGEST = 1e18
 
 
-def check_numbers(value: Any, name: object, where: str = "") -> None:
+def check_numbers(value: Any, name: object, schema: dict[str, Any] | None = None) -> None:
     """Check that every number in mappings and lists is finite and at most :data:`LARGEST` in size.
 
     Parameters
     ----------
     value : content of a document.
     name : what the message calls the document.
-    where : the key of `value` in it.
+    schema : of the document, whose limits the message names where they are narrower.
 
     Raises
     ------
-    InputError : one line naming the document, the key and what is allowed.
+    InputError : one line naming the document, the key, what is allowed and the nearest valid value.
     """
+    _check(value, name, "", schema or {}, schema or {})
+
+
+def _check(value: Any, name: object, where: str, part: dict[str, Any], schema: dict[str, Any]) -> None:
+    """Check what a document holds at `where`; `part` of its schema is on this value."""
+    if "$ref" in part:
+        part = schema.get("$defs", {}).get(part["$ref"].removeprefix("#/$defs/"), {})
     if isinstance(value, dict):
+        rest = part.get("additionalProperties")
         for key, inner in value.items():
-            check_numbers(inner, name, f"{where}.{key}" if where else str(key))
+            below = part.get("properties", {}).get(key, rest if isinstance(rest, dict) else {})
+            _check(inner, name, f"{where}.{key}" if where else str(key), below, schema)
     elif isinstance(value, (list, tuple)):
         for index, inner in enumerate(value):
-            check_numbers(inner, name, f"{where}[{index}]")
+            _check(inner, name, f"{where}[{index}]", part.get("items", {}), schema)
     elif isinstance(value, float) and not math.isfinite(value):
         raise InputError(f"{name}: '{where}' is {value}; every number must be finite")
     elif isinstance(value, (int, float)) and abs(value) > LARGEST:
-        near = LARGEST if value > 0 else -LARGEST
+        allowed, near = _limit(part, value > 0)
         raise InputError(
-            f"{name}: '{where}' is {shown(value)}, out of range (allowed: at most {LARGEST:g} in size); "
-            f"the nearest valid value is {near:g}"
+            f"{name}: '{where}' is {shown(value)}, out of range (allowed: {allowed})"
+            + ("" if near is None else f"; the nearest valid value is {near:g}")
         )
+
+
+def _limit(part: dict[str, Any], above: bool) -> tuple[str, float | None]:
+    """Return in words the limit of a number that is too large, or that is too small, and the nearest valid value, None
+    where the limit itself is none."""
+    rule, sign, end = ("maximum", "<", LARGEST) if above else ("minimum", ">", -LARGEST)
+    exclusive = "exclusive" + rule.capitalize()
+    if exclusive in part:
+        return f"{sign} {part[exclusive]:g}", None
+    if rule in part:
+        return f"{sign}= {part[rule]:g}", part[rule]
+    return f"at most {LARGEST:g} in size", end

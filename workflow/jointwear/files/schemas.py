@@ -242,6 +242,31 @@ def read_numbers(data: Any, schema: dict[str, Any]) -> Any:
     return _by_kind(data, schema, _number_read)
 
 
+def check_no_quoted_numbers(data: Any, schema: dict[str, Any], name: str | Path, where: str = "") -> None:
+    """Check that a file, as it was written, holds no number as text where the schema says number and not text.
+
+    :func:`read_numbers` mends what Snakemake has read alone, of which nobody knows any more how it was written.
+
+    Raises
+    ------
+    InputError : one line that names the document, the key, what is allowed and the nearest valid value.
+    """
+    if isinstance(data, dict):
+        rest = schema.get("additionalProperties")
+        for key, value in data.items():
+            below = schema.get("properties", {}).get(key, rest if isinstance(rest, dict) else {})
+            check_no_quoted_numbers(value, below, name, f"{where}.{key}" if where else str(key))
+    elif isinstance(data, list):
+        for k, value in enumerate(data):
+            check_no_quoted_numbers(value, schema.get("items", {}), name, f"{where}[{k}]")
+    elif isinstance(data, str):
+        kinds = schema.get("type")
+        kinds = kinds if isinstance(kinds, list) else [kinds]
+        if {"number", "integer"} & set(kinds) and "string" not in kinds and _AS_TEXT.fullmatch(data):
+            near = _number_in(where, f"{float(data):.10f}".rstrip("0").rstrip("."), kinds, schema)
+            raise InputError(f"{name}: '{where}' is {shown(data)}, must be {_words(kinds)}{_limits(schema)}{near}")
+
+
 def _by_kind(data: Any, schema: dict[str, Any], change: Callable[[Any, list], Any]) -> Any:
     """Return `data` with each value changed by `change`, which is told the types that the schema allows for it."""
     if isinstance(data, dict):

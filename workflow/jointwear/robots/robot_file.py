@@ -28,6 +28,8 @@ HEAVIEST, LARGEST_RADIUS, LIGHTEST = 5000.0, 5.0, 1e-3
 #: Distance [m] of a centre of mass that is taken of any arm: a link of next to no mass, as `discover` may write one,
 #: has it far outside.
 FARTHEST_MASS = 20.0
+#: Longest name of a joint, characters: messages and pages hold it.
+LONGEST_NAME = 100
 #: Gravity [m/s2] above which it is in another unit, and by how much it may differ from 1 and still be one g: a flat arm
 #: may be given the share of gravity in its plane alone. Units that gravity is found in [m/s2].
 MOST_GRAVITY, ONE_G = 30.0, 0.01
@@ -54,8 +56,8 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     _check_kind(path)
-    data = read_yaml(path)
     schema = read_schema("robot")
+    data = read_yaml(path, schema)
     _check_lengths(path, data)
     _check_gravity(path, data)
     check(data, schema, path)
@@ -102,8 +104,14 @@ def read_robot_file(path: str | Path) -> dict[str, Any]:
 
 
 def _check_names(path: Path, joints: list[dict[str, Any]]) -> None:
-    """Check that no two joints have one name; of two entries of a URDF's joint the later one would hide the first."""
+    """Check that joints have names that a message can hold, and no two the same; of two entries of a URDF's joint the
+    later one would hide the first."""
     names = [joint["name"] for joint in joints]
+    for i, name in enumerate(names):
+        if not name.strip() or len(name) > LONGEST_NAME:
+            said = f"has {counted(len(name), 'character')}" if name.strip() else f"is {shown(name)}, which is blank"
+            near = f"; the nearest valid value is {shown(f'joint_{i + 1}')}"
+            raise InputError(f"{path}: 'joints[{i}].name' {said} (allowed: 1 to {LONGEST_NAME}){near}")
     for i, name in enumerate(names):
         if name in names[:i]:
             raise InputError(f"{path}: 'joints[{i}].name' is '{name}', which an earlier joint has")

@@ -16,7 +16,7 @@ from jointwear.files.numbers import check_numbers
 from jointwear.files.patterns import matches
 from jointwear.files.registered import is_registered, locate
 from jointwear.files.regular_files import ROOT, check_regular
-from jointwear.files.schemas import check, normalise_numbers, read_numbers, read_schema
+from jointwear.files.schemas import check, check_no_quoted_numbers, normalise_numbers, read_numbers, read_schema
 from jointwear.reproduction import readings
 from jointwear.robots.robot_file import read_robot_file
 from jointwear.robots.task_file import read_task_file
@@ -134,13 +134,13 @@ def prepare(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> dict
     ------
     InputError : one line naming the key, what is allowed and the nearest valid value.
     """
-    for path in files:
-        read_yaml(path)
     schema = config_schema()
+    for path in files:
+        check_no_quoted_numbers(read_yaml(path, schema), schema, path)
     try:
         config = read_numbers(_plain(config), schema)
         # What came by --config no reader of files has seen.
-        check_numbers(config, "config")
+        check_numbers(config, "config", schema)
     except RecursionError:
         raise InputError("config: an anchor holds itself") from None
     check(config, schema, "config")
