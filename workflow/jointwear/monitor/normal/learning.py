@@ -83,8 +83,8 @@ def learn_axes(
     if not len(rows):
         return [None] * learnt.shape[1]
     until = int(rows[-1]) + 1
-    shared = conditions.shared
     early = conditions.until(until)
+    shared = early.shared
     parts = [Series(s.value[:until], s.variance[:until], s.unit, s.share) for s in series]
     recall = recall or Recall()
     key = key_of(
