@@ -21,13 +21,14 @@ from jointwear.monitor.normal.dispersion import (
 from jointwear.monitor.normal.normal_state import NormalFit, Posterior, Windows, fit_normal_state, fit_normal_states
 from jointwear.monitor.normal.recall import Recall, Rows, key_of
 from jointwear.monitor.normal.series import Series
+from jointwear.monitor.normal.shifts import FEWEST_SHIFTS
 from jointwear.monitor.normal.warm_up import DRIVES, TIMES, warm_up_state
 from jointwear.statistics.known import known_median
 
 #: Rounds in which the regression and the dispersion around it are made to agree.
 ROUNDS = 3
-#: Fewest windows and shifts of the baseline of an axis.
-FEWEST_WINDOWS, FEWEST_SHIFTS = 8, 3
+#: Fewest windows of the baseline of an axis.
+FEWEST_WINDOWS = 8
 #: Spread [K] of a logged temperature over the baseline below which it says nothing of warming.
 SPREAD = 0.5
 

@@ -1,7 +1,8 @@
 """Shifts: the runs of windows between two longer pauses, which share what one day brings (weather, product, oil).
 
 A robot that never stops has no pauses; its time is cut into equal parts instead, of a day, or as long as a working
-shift where one program runs alone; shorter where the baseline would not hold several of them.
+shift where one program runs alone; shorter where the baseline would not hold several of them. Whether it stops is told
+by the baseline: a longer run that comes later is cut into days.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ import numpy as np
 
 #: A pause [h] that ends a shift, and the same in windows where they are long.
 PAUSE_HOURS, PAUSE_WINDOWS = 2.5, 2.0
+#: Fewest shifts of a baseline that an axis is learnt from.
+FEWEST_SHIFTS = 3
 #: Longest shift [h]; where operation never stops, the length [h] of a part of a steady one; the baseline shall hold
 #: this many parts of at least so many windows.
 LONGEST_HOURS, PART_HOURS, PARTS, FEWEST_WINDOWS = 24.0, 8.0, 6, 4
@@ -25,7 +28,8 @@ def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray, stead
 
     Notes
     -----
-    Cuts depend on the start of a run and on the baseline only, so that a window that arrives later moves none.
+    Cuts depend on the start of a run, and on the baseline and the runs up to its end, so that a window that arrives
+    later moves none.
     """
     if not len(start):
         return np.zeros(0, dtype=np.int64)
@@ -36,7 +40,7 @@ def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray, stead
     begins = np.flatnonzero(np.diff(run, prepend=-1))
     first = start[begins]
     whole = end[np.append(begins[1:], len(run)) - 1] - first
-    if whole.max() > longest and baseline.any():
+    if baseline.any() and float(np.minimum(whole, _told_until(run, end, baseline) - first).max()) > longest:
         most = PART_HOURS * 3600.0 if steady else longest
         part = float(baseline.sum()) * length / PARTS
         longest = float(np.clip(part, FEWEST_WINDOWS * length, max(most, FEWEST_WINDOWS * length)))
@@ -45,6 +49,20 @@ def shift_labels(start: np.ndarray, end: np.ndarray, baseline: np.ndarray, stead
     part = np.floor((start - first[run]) / longest + 1e-9).astype(np.int64)
     change = (np.diff(run) != 0) | (np.diff(part) != 0)
     return np.concatenate([[0], np.cumsum(change)])
+
+
+def _told_until(run: np.ndarray, end: np.ndarray, baseline: np.ndarray) -> float:
+    """Return up to which time [s] the lengths of runs tell that a robot never stops: the end of the baseline, as what
+    runs on after it would cut all shifts anew. From too few runs nothing is learnt, and nothing has been judged by
+    shifts: there the run in which the baseline ends counts as a whole.
+
+    Parameters
+    ----------
+    run : (w,) number of the run of every window. end : (w,) [s]. baseline : (w,) bool, some of it.
+    """
+    last = np.flatnonzero(baseline)[-1]
+    few = len(np.unique(run[baseline])) < FEWEST_SHIFTS
+    return float(end[run == run[last]].max() if few else end[last])
 
 
 def places_of_shifts(shift: np.ndarray, count: int) -> np.ndarray:
