@@ -8,7 +8,7 @@ from monitor_logs import START
 from monitor_states import WORN, changed
 
 from jointwear.measurement.timestamps import stamp
-from jointwear.monitor.events import events_of
+from jointwear.monitor.events import Event, events_of
 from jointwear.monitor.judging.state import ALARM_COLUMNS, read_state, write_alarms
 from jointwear.monitor.presentation.condition import axis_conditions
 from jointwear.monitor.presentation.episodes import episodes_of
@@ -65,7 +65,8 @@ def test_alarms_of_one_story_are_one_episode():
         return {"time": time, "axis": axis, "quantity": "coulomb friction", "detector": detector}
 
     rows = [alarm(1.0), alarm(2.0), alarm(9.0), alarm(3.0, axis=2), alarm(4.0, detector="other")]
-    found = episodes_of(rows, events_of({"events": [{"time": 5.0, "axes": [1], "kind": "service", "note": "grease"}]}))
+    grease = {"time": 5.0, "axes": [1], "kind": "service", "note": "grease"}
+    found = episodes_of(rows, events_of({"events": [grease]}), 1.0)
     assert [(e.axis, e.detector, len(e.alarms), e.resolved is None) for e in found] == [
         (1, "model", 1, True),
         (2, "model", 1, True),
@@ -80,15 +81,24 @@ def test_an_event_that_closes_nothing_changes_no_name_of_an_episode():
     rows = [{"time": time, "axis": 1, "quantity": "coulomb friction", "detector": "model"} for time in (3.0, 9.0)]
     closing = {"time": 5.0, "axes": [1], "kind": "service"}
     for idle in ([], [{**closing, "time": 1.0}], [{**closing, "time": 6.0}], [{**closing, "axes": [2], "time": 8.0}]):
-        found = episodes_of(rows, events_of({"events": [closing, *idle]}))
+        found = episodes_of(rows, events_of({"events": [closing, *idle]}), 1.0)
         assert [e.key for e in found] == ["1|coulomb friction|model|1", "1|coulomb friction|model|"]
-    (whole,) = episodes_of(rows, events_of({"events": [{**closing, "time": 1.0}]}))
+    (whole,) = episodes_of(rows, events_of({"events": [{**closing, "time": 1.0}]}), 1.0)
     assert (whole.key, whole.before) == ("1|coulomb friction|model|", None)
+
+
+@pytest.mark.parametrize(("time", "closed"), [(6.9, False), (7.0, False), (7.1, True), (8.0, True), (8.1, True)])
+def test_an_event_within_the_window_of_an_alarm_closes_it(time, closed):
+    """What is new begins with the next window; the page had kept an alarm open that no later event could close."""
+    rows = [{"time": 8.0, "axis": 1, "quantity": "coulomb friction", "detector": "model"}]
+    (found,) = episodes_of(rows, [Event(time, (0,), "service")], 1.0)
+    assert (found.resolved is not None) is closed
 
 
 def test_another_program_resolves_no_wear():
     rows = [{"time": time, "axis": 1, "quantity": "coulomb friction", "detector": "model"} for time in (1.0, 9.0)]
-    found = episodes_of(rows, events_of({"events": [{"time": 5.0, "kind": "program", "note": "another gripper"}]}))
+    gripper = {"time": 5.0, "kind": "program", "note": "another gripper"}
+    found = episodes_of(rows, events_of({"events": [gripper]}), 1.0)
     assert [(len(e.alarms), e.resolved is None) for e in found] == [(2, True)]
     assert found[0].before is None
 

@@ -15,6 +15,7 @@ from jointwear.monitor.judging import judge as judge_module
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.judging.open_alarms import GROWN_BEFORE, OPEN_ALARM, open_alarm_findings
+from jointwear.monitor.presentation.episodes import episodes_of
 from jointwear.monitor.watching.another_robot import first_exchange
 from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason, Teller
@@ -203,6 +204,24 @@ def test_a_service_after_another_program_does_not_deny_the_alarm_that_was_open_t
     assert told(30) == [True]
     assert told(15) == []
     assert told(5) == [False]
+    # The alarm is of the window from 9 to 10 h, and what begins anew of the one after a service.
+    assert told(9.5) == []
+    assert told(9) == [False]
+
+
+@pytest.mark.parametrize("late", [-0.5, 0.0, 0.5])
+def test_states_and_episodes_say_alike_whether_an_event_closed_an_alarm(late):
+    growth = np.zeros((260, 3))
+    growth[120:180, 1] = 0.1
+    statistics = statistics_of(residuals(260, growth, 17))
+    time = judge(statistics, 120, SETTINGS).alarms[0]["time"] + late * 3600.0
+    events = (Event(time, (1,), "acknowledged"),)
+    result = judge(statistics, 120, replace(SETTINGS, events=events))
+    mine = [a for a in result.alarms if a["detector"] == "model" and a["axis"] == 2]
+    open_ones = [e for e in episodes_of(mine, events, statistics.length) if e.resolved is None]
+    assert mine
+    assert (result.status[-1, 1] == CHANGED) is bool(open_ones)
+    assert not open_ones
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,12 @@ class Event:
         """Return whether a 0-based axis is concerned."""
         return not self.axes or axis in self.axes
 
+    def follows(self, alarm: Mapping[str, Any], length: float) -> bool:
+        """Return whether it is what comes after an alarm, whose `time` [s] is the end of its window of `length` [s]: as
+        in :func:`event_windows` what begins anew is the first window after the event, so that an alarm of the window in
+        which it lies is one of before."""
+        return self.time > float(alarm["time"]) - length
+
 
 def events_of(entry: Mapping[str, Any]) -> tuple[Event, ...]:
     """Return the events of an entry of ``monitor.robots``, in order of time; as in its logs, times without a zone are

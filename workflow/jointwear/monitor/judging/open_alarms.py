@@ -41,12 +41,15 @@ def open_alarm_findings(
         newest = {}
         for alarm in sorted(alarms, key=lambda a: a["time"]):
             axis = alarm["axis"]
-            if alarm["detector"] == DETECTORS[0] and axis and event.concerns(axis - 1) and alarm["time"] <= event.time:
+            own = alarm["detector"] == DETECTORS[0] and axis and event.concerns(axis - 1)
+            if own and event.follows(alarm, statistics.length):
                 newest[axis] = alarm
         open_ones = {
             axis: alarm["quantity"]
             for axis, alarm in sorted(newest.items())
-            if not any(e.concerns(axis - 1) and alarm["time"] <= e.time <= event.time for e in mending)
+            if not any(
+                e.concerns(axis - 1) and e.follows(alarm, statistics.length) and e.time <= event.time for e in mending
+            )
         }
         if not open_ones:
             continue

@@ -217,6 +217,11 @@ class RobotState:
         return len(self.joints)
 
     @property
+    def length(self) -> float:
+        """Length of a window [s]."""
+        return float(self.end[0] - self.start[0])
+
+    @property
     def short(self) -> bool:
         """Whether the logs have no date and span less than two hours, so that seconds say more than hours."""
         return not self.dated and float(self.end[-1] - self.start[0]) < 7200

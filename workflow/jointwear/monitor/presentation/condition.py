@@ -195,13 +195,13 @@ class AxisCondition:
 def axis_conditions(state: RobotState) -> list[AxisCondition]:
     """Return the condition of every axis."""
     events = events_of(state.entry)
-    found = episodes_of(state.counted, events)
+    found = episodes_of(state.counted, events, state.length)
     return [_condition(state, j, found, events) for j in range(state.axes)]
 
 
 def robot_episodes(state: RobotState) -> list[Episode]:
     """Return the episodes that concern the robot as a whole."""
-    return [e for e in episodes_of(state.counted, events_of(state.entry)) if e.axis is None]
+    return [e for e in episodes_of(state.counted, events_of(state.entry), state.length) if e.axis is None]
 
 
 def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence[Event]) -> AxisCondition:

@@ -60,12 +60,17 @@ def _resolves(event: Event, axis: int | None) -> bool:
     return about and event.mends
 
 
-def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event]) -> list[Episode]:
-    """Return the episodes, unresolved ones first, of these the newest first."""
+def episodes_of(alarms: Sequence[Mapping[str, Any]], events: Sequence[Event], length: float) -> list[Episode]:
+    """Return the episodes, unresolved ones first, of these the newest first.
+
+    Parameters
+    ----------
+    alarms : rows of alarms.csv, `time` in seconds. events : in order of time. length : of a window [s].
+    """
     stories: dict[tuple, list[tuple[Event | None, list[Mapping[str, Any]]]]] = {}
     for alarm in sorted(alarms, key=lambda a: a["time"]):
         axis = alarm["axis"] or None
-        end = next((e for e in events if _resolves(e, axis) and e.time >= alarm["time"]), None)
+        end = next((e for e in events if _resolves(e, axis) and e.follows(alarm, length)), None)
         story = stories.setdefault((axis, alarm["quantity"], alarm["detector"]), [])
         if not story or story[-1][0] is not end:
             story.append((end, []))
