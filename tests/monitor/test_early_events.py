@@ -95,3 +95,24 @@ def test_an_event_that_is_yet_to_come_acts_from_its_time_on_and_is_told_until_th
     assert (len(events_of(later)), len(planned_events(later))) == (3, 1)
     # An entry without any is as it was given, so that nothing is judged again.
     assert acting({"events": events[:1]}, BEGIN) == {"events": events[:1]}
+
+
+@pytest.mark.parametrize(
+    ("time", "time_zone", "acts"),
+    [
+        ("2026-01-01T04:00:00Z", None, False),
+        ("2026-01-01T04:00:00+00:00", "Europe/Berlin", False),
+        ("2026-01-01T04:00:00", "Europe/Berlin", False),
+        ("2026-01-01T01:30:00", "Europe/Berlin", False),
+        ("2026-01-01T01:00:00", "Europe/Berlin", True),
+        ("2026-01-01T00:00:00Z", None, True),
+        # Of a clock that may be ahead of UTC, as the stamps of its logs.
+        ("2026-01-01T14:00:00", None, True),
+        ("2026-01-01T14:30:00", None, False),
+    ],
+)
+def test_an_event_of_tonight_closes_no_alarm_of_now(time, time_zone, acts):
+    """A service that was entered for the evening had closed all open alarms in the morning."""
+    entry = {"events": [{"time": time}]} | ({"time_zone": time_zone} if time_zone else {})
+    now = acting(entry, BEGIN)
+    assert (len(events_of(now)), len(planned_events(now))) == ((1, 0) if acts else (0, 1))

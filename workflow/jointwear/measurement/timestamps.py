@@ -120,6 +120,16 @@ def utc_seconds(text: str, zone: tzinfo = UTC) -> float:
     return (moment if moment.tzinfo else moment.replace(tzinfo=zone)).timestamp()
 
 
+def names_zone(text: str) -> bool:
+    """Return whether an ISO 8601 time names its zone, as ``2026-02-01T06:00:00+01:00``.
+
+    Raises
+    ------
+    ValueError : if the text is no such time.
+    """
+    return datetime.fromisoformat(text).tzinfo is not None
+
+
 def stamp(seconds: float, dated: bool) -> str:
     """Return a time as ISO 8601 UTC, or as seconds for logs without a date."""
     if not math.isfinite(seconds):

@@ -9,13 +9,14 @@ from datetime import tzinfo
 from typing import Any
 
 from jointwear.files.errors import InputError, shown
-from jointwear.measurement.timestamps import LATEST, meant, moment_of
+from jointwear.measurement.timestamps import LATEST, meant, moment_of, names_zone
 from jointwear.monitor.local_time import zone_of
 
 KINDS = ("service", "sensor", "program", "acknowledged")
 #: Kind of an event that changes how a robot runs and nothing about its joints: what they had grown by goes on.
 NEW_PROGRAM = "program"
-#: Farthest that two clocks of the same moment are apart [s]: a time without a zone counts as UTC.
+#: Farthest that a clock runs ahead of UTC [s]: by as much may a time be ahead of now that is of the clock of the logs,
+#: as neither it nor the entry states a zone.
 ZONES = 14 * 3600.0
 #: Time ahead [s], a year, beyond which nobody plans a service: the date is mistyped.
 FAR = 366 * 86400.0
@@ -84,11 +85,19 @@ def _events(listed: Sequence[Mapping[str, Any]], zone: tzinfo) -> tuple[Event, .
 def acting(entry: Mapping[str, Any], now: float) -> dict[str, Any]:
     """Return an entry with those `events` alone that act at `now` [s since 1970], the others under :data:`PLANNED`.
 
-    One that is yet to come would close every alarm until then. It acts from its time on, as the entry changes then.
+    One that is yet to come would close every alarm until then. It acts from its time on, as the entry changes then;
+    where nothing states a zone, up to :data:`ZONES` earlier.
     """
     given = list(entry.get("events") or ())
     zone = zone_of(entry.get("time_zone"))
-    planned = [e for e in given if isinstance(e["time"], str) and moment_of(e["time"], zone) > now + ZONES]
+
+    def to_come(time: Any) -> bool:
+        if not isinstance(time, str):
+            return False
+        unknown = not entry.get("time_zone") and not names_zone(time)
+        return moment_of(time, zone) > now + (ZONES if unknown else 0.0)
+
+    planned = [e for e in given if to_come(e["time"])]
     if not planned:
         return dict(entry)
     far = [{**e, "far": moment_of(e["time"], zone) > now + FAR} for e in planned]
