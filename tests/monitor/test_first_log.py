@@ -96,10 +96,11 @@ def test_a_dead_band_that_is_all_noise_is_told_where_an_axis_cannot_be_judged(tm
     found = surveyed(tmp_path, replace(log, position=rough))
     assert found.noisy == [False, True, False, False, False, False]
     unseen = np.array([True, True, False, False, False, False])
-    (told,) = dead_band_findings(statistics, 2, unseen, found.noisy, found.dead_band)
-    assert told["axes"] == [2]
+    baseline = np.arange(statistics.windows) < 2
+    (told,) = dead_band_findings(statistics, baseline, unseen, found.noisy, found.dead_band)
+    assert (told["axes"], told["time"]) == ([2], statistics.end[1])
     assert "state 'dead_band'" in told["words"]
-    assert not dead_band_findings(statistics, 2, ~unseen, found.noisy, found.dead_band)
+    assert not dead_band_findings(statistics, baseline, ~unseen, found.noisy, found.dead_band)
     found.write(tmp_path / "survey.json")
     assert read_survey(tmp_path / "survey.json").noisy == found.noisy
 

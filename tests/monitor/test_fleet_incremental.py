@@ -32,7 +32,7 @@ def said(folder):
     """What was judged: the alarms as text, and every number and word of the state."""
     with open_dataset(folder / "arm/state.nc") as dataset:
         state = {name: np.ma.getdata(dataset.variables[name][:]) for name in dataset.variables}
-        state |= {name: getattr(dataset, name) for name in ("alarms", "findings", "baseline_windows")}
+        state |= {name: getattr(dataset, name) for name in ("alarms", "findings")}
     return (folder / "arm/alarms.csv").read_text(), state
 
 

@@ -28,7 +28,7 @@ def month():
 def path(tmp_path):
     path = tmp_path / "baseline.nc"
     whole, baseline = with_kept_baseline(month(), GIVEN, path)
-    assert baseline.count == 24
+    assert baseline.mask.sum() == 24
     keep_baseline(whole, baseline, GIVEN, path)
     return path
 
@@ -40,12 +40,12 @@ def later():
 def test_one_moment_in_other_words_is_the_same_baseline(path):
     for until in ("1970-01-04T01:00:00+01:00", "1970-01-04", 3 * DAY):
         whole, baseline = with_kept_baseline(later(), GIVEN | {"until": until}, path)
-        assert (whole.windows, baseline.count) == (COUNT, 24)
+        assert (whole.windows, baseline.mask.sum()) == (COUNT, 24)
 
 
 def test_another_baseline_is_chosen_of_the_windows_that_are_kept_too(path):
     whole, baseline = with_kept_baseline(later(), {"windows": 10, "made_with": "a"}, path)
-    assert (whole.windows, baseline.count) == (COUNT, 10)
+    assert (whole.windows, baseline.mask.sum()) == (COUNT, 10)
 
 
 def test_another_model_does_not_choose_anew_among_what_is_left(path):
@@ -56,7 +56,7 @@ def test_another_model_does_not_choose_anew_among_what_is_left(path):
     with pytest.raises(InputError, match="another survey"):
         with_kept_baseline(surveyed_anew, GIVEN, path)
     assert path.exists()
-    assert with_kept_baseline(month(), changed, path)[1].count == 24
+    assert with_kept_baseline(month(), changed, path)[1].mask.sum() == 24
     assert not path.exists()
 
 
@@ -66,7 +66,7 @@ def test_a_baseline_goes_on_until_its_end_has_passed(tmp_path):
     for known in range(1, COUNT + 1):
         statistics, baseline = with_kept_baseline(month().part(slice(0, known)), GIVEN, path)
         keep_baseline(statistics, baseline, GIVEN, path)
-        assert baseline.count == min(known, 24)
+        assert baseline.mask.sum() == min(known, 24)
         assert path.exists() == (known > 24)
 
 
@@ -77,7 +77,7 @@ def test_a_baseline_of_so_many_windows_is_complete_with_the_last_of_them(tmp_pat
 
 def test_a_baseline_that_begins_after_the_newest_log_says_so():
     chosen = choose_baseline(month(), {"from": "1970-02-05T00:00:00Z", "until": "1970-03-01T00:00:00Z"})
-    assert (chosen.count, chosen.complete) == (0, False)
+    assert (chosen.mask.sum(), chosen.complete) == (0, False)
     assert chosen.words.startswith(
         "'from' of the baseline (1970-02-05T00:00Z) is later than the newest log (1970-01-06T00:00Z)"
     )
@@ -88,8 +88,8 @@ def test_hours_are_no_end_of_the_baseline_of_logs_with_dates():
     dated = replace(month(), start=month().start + 1e9, end=month().end + 1e9)
     with pytest.raises(InputError, match=r"'baseline\.until' is 72, which is no date, .* or .* 'windows: 72'"):
         choose_baseline(dated, {"until": 72})
-    assert choose_baseline(dated, {"until": 1e9 + 3 * DAY}).count == 24
-    assert choose_baseline(replace(dated, dated=False), {"until": 1e9 + 3 * DAY}).count == 24
+    assert choose_baseline(dated, {"until": 1e9 + 3 * DAY}).mask.sum() == 24
+    assert choose_baseline(replace(dated, dated=False), {"until": 1e9 + 3 * DAY}).mask.sum() == 24
 
 
 def test_times_without_a_zone_are_those_of_the_logs():

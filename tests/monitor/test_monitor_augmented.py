@@ -31,7 +31,7 @@ def test_a_day_and_a_night_are_no_wear_for_the_augmented_robot(tmp_path):
     for name, arm in (("nominal", model()), ("augmented", augmented)):
         survey = survey_log(path, layout(), arm, LENGTH)
         statistics = log_statistics(path, layout(), arm, survey, LENGTH).statistics
-        friction = window_friction(statistics, arm.robot, 20)
+        friction = window_friction(statistics, arm.robot, np.arange(statistics.windows) < 20)
         inverse = np.linalg.pinv(statistics.gram[:, AXIS], hermitian=True, rcond=1e-12)
         fit = np.einsum("wpk,wk->wp", inverse, statistics.moment[:, AXIS])[:, :2].mean(axis=1)
         found[name] = (

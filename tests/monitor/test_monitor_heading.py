@@ -29,7 +29,7 @@ def test_an_axis_that_stops_moving_is_no_longer_called_healthy(monitored):
     status[50:, 0] = UNJUDGED
     found = axis_summary(replace(state, status=status), 0)
     assert "last judged" in found["remark"]
-    status[state.baseline :, 0] = UNJUDGED
+    status[state.after, 0] = UNJUDGED
     assert axis_summary(replace(state, status=status), 0)["status"] == UNJUDGED
 
 
@@ -151,7 +151,7 @@ def test_an_axis_whose_last_window_is_not_judged_stays_changed(monitored):
     folder, _, _ = monitored
     state = read_state(folder / "state.nc")
     worn = np.array(state.status, dtype=object)
-    after = slice(state.baseline, None)
+    after = state.after
     worn[after, 0] = "changed"
     named = standing(replace(state, status=worn))
     worn = worn.copy()

@@ -6,10 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from matplotlib.axes import Axes
 from monitor_logs import ROBOT, model
 from monitor_states import EVIL, HOURS, WORN
+from pyarrow import parquet
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.fleet.history import write_history
 from jointwear.monitor.fleet.page import robot_item
 from jointwear.monitor.fleet.ranking import as_of, asks
 from jointwear.monitor.fleet.table import table_row
@@ -19,6 +22,8 @@ from jointwear.monitor.judging.judge_settings import settings_of
 from jointwear.monitor.judging.state import read_state, write_state
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.normal.friction import window_friction
+from jointwear.monitor.normal.series import usual_speed
+from jointwear.monitor.presentation.drawing import draw_timeline
 from jointwear.monitor.presentation.page import write_page
 from jointwear.monitor.presentation.standing import NOTHING, standing
 from jointwear.monitor.reading.assembly import Piece, assemble
@@ -26,10 +31,13 @@ from jointwear.monitor.reading.window_files import read_statistics
 from jointwear.monitor.stages import judge_windows
 from jointwear.monitor.watching.records import CHANGED, UNJUDGED
 
+#: Windows of the baseline of the robot of the fixture `monitored`.
+BASELINE = np.arange(HOURS) < 36
+
 
 def test_friction_of_every_window(monitored):
     _, windows, _ = monitored
-    found = window_friction(read_statistics(windows[0]), model().robot, 36)
+    found = window_friction(read_statistics(windows[0]), model().robot, BASELINE)
     robot, speed = model().robot, found.speed
     truth = (robot.coulomb_positive - robot.coulomb_negative) / 2 + robot.viscous * speed
     error = (found.value[:40, :5] - truth[:5]) / found.std[:40, :5]
@@ -41,12 +49,12 @@ def test_friction_of_every_window(monitored):
 def test_baselines(monitored):
     _, windows, _ = monitored
     statistics = read_statistics(windows[0])
-    assert choose_baseline(statistics, {"windows": 20}).count == 20
-    assert choose_baseline(statistics, {"windows": 200}).count == HOURS
-    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00Z"}).count == 24
-    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00"}).count == 24
+    assert choose_baseline(statistics, {"windows": 20}).mask.sum() == 20
+    assert choose_baseline(statistics, {"windows": 200}).mask.sum() == HOURS
+    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00Z"}).mask.sum() == 24
+    assert choose_baseline(statistics, {"until": "2026-01-02T00:00:00"}).mask.sum() == 24
     short = choose_baseline(statistics, {"until": "2026-01-01T02:30:00Z"})
-    assert short.count > 8
+    assert short.mask.sum() > 8
     assert "too few to know what is normal; it goes on until 2026-01-01T" in short.words
     waiting = choose_baseline(statistics, {"windows": 200})
     assert not waiting.complete
@@ -101,12 +109,34 @@ def test_refusals_are_kept_in_the_state(tmp_path, monitored):
     history = assemble([Piece("a.csv", statistics, 0.0, 1.0, (EVIL,))])
     robot = model().robot
     judgement = judge(statistics, 36, settings_of(robot, entry))
-    write_state(tmp_path / "state.nc", judgement, history, 36, robot, entry, EVIL)
+    write_state(tmp_path / "state.nc", judgement, history, BASELINE, robot, entry, EVIL)
     state = read_state(tmp_path / "state.nc")
     assert state.refused == (EVIL,)
     assert state.entry == json.loads(json.dumps(entry))
     write_page(read_state(tmp_path / "state.nc"), tmp_path / "p.html", tmp_path / "figures")
     assert EVIL not in (tmp_path / "p.html").read_text()
+
+
+def test_what_came_before_the_baseline_is_no_part_of_it_wherever_it_is_told(tmp_path, monitored, monkeypatch):
+    """The windows up to the end of the baseline had been marked as its own in history and figures."""
+    _, windows, entry = monitored
+    entry = {**entry, "baseline": {"from": "2026-01-01T12:00:00Z", "windows": 24}}
+    judge_windows(windows[:1], ROBOT, entry, tmp_path / "s.nc", tmp_path / "a.csv", tmp_path / "r.json")
+    state = read_state(tmp_path / "s.nc")
+    own = (np.arange(HOURS) >= 12) & (np.arange(HOURS) < 36)
+    assert np.array_equal(state.baseline, own)
+    assert np.array_equal(state.after, np.arange(HOURS) >= 36)
+    speed = usual_speed(read_statistics(windows[0]), own)
+    np.testing.assert_allclose(state.friction_speed, speed, rtol=1e-6)
+    write_history(tmp_path / "history.parquet", state, "arm")
+    told = parquet.read_table(tmp_path / "history.parquet", columns=["baseline"])["baseline"].to_numpy()
+    assert np.array_equal(told.reshape(HOURS, -1), np.repeat(own[:, None], state.axes, axis=1))
+    spans = []
+    monkeypatch.setattr(Axes, "axvspan", lambda _, begin, end, **more: spans.append((begin, end)))
+    for baseline in (own, np.zeros(HOURS, dtype=bool)):
+        draw_timeline(replace(state, baseline=baseline), "coulomb_percent", tmp_path / "t.svg")
+    assert len(spans) == 1
+    assert 24 * (spans[0][1] - spans[0][0]) == pytest.approx(23)
 
 
 @pytest.mark.parametrize(

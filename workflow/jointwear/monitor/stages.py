@@ -31,6 +31,7 @@ from jointwear.monitor.judging.judge_settings import settings_of
 from jointwear.monitor.judging.state import write_alarms, write_state
 from jointwear.monitor.made_with import made_with
 from jointwear.monitor.normal.recall import Recall, read_recall, write_recall
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.assembly import Piece, assemble
 from jointwear.monitor.reading.at_rest import without_noise_at_rest
 from jointwear.monitor.reading.logs_of_windows import logs_of_windows
@@ -127,17 +128,17 @@ def judge_pieces(
     early += planned_event_findings(statistics, planned_events(entry))
     more = [*early, *clock_findings(whole), *short_log_findings(whole), *missing_temperature(statistics, arm)]
     if survey is not None:
-        more += _dead_bands(read_survey(survey), statistics, judgement, baseline.count)
+        more += _dead_bands(read_survey(survey), statistics, judgement, baseline.mask)
     judgement = replace(judgement, findings=[*more, *judgement.findings])
-    write_state(state, judgement, whole, baseline.count, arm, entry, name or arm.name)
+    write_state(state, judgement, whole, baseline.mask, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)
 
 
 def _dead_bands(
-    survey: Survey, statistics: WindowStatistics, judgement: Judgement, baseline: int
+    survey: Survey, statistics: WindowStatistics, judgement: Judgement, baseline: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Return findings on dead bands of the survey that are all noise."""
-    unseen = (judgement.status[baseline:] == UNJUDGED).all(axis=0)
+    """Return findings on dead bands of the survey that are all noise; `baseline` (w,) bool."""
+    unseen = (judgement.status[after_baseline(baseline)] == UNJUDGED).all(axis=0)
     coarse = {axis for f in judgement.findings if f["kind"] == COARSE for axis in f["axes"]}
     unseen |= np.isin(np.arange(1, len(unseen) + 1), list(coarse))
-    return dead_band_findings(statistics, max(baseline, 1), unseen, survey.noisy, survey.dead_band)
+    return dead_band_findings(statistics, baseline, unseen, survey.noisy, survey.dead_band)

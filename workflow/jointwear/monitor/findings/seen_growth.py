@@ -96,18 +96,24 @@ def coarse_words(least: float) -> str:
 
 
 def dead_band_findings(
-    statistics: WindowStatistics, baseline: int, unseen: np.ndarray, noisy: Sequence[bool], dead_band: Sequence[float]
+    statistics: WindowStatistics,
+    baseline: np.ndarray,
+    unseen: np.ndarray,
+    noisy: Sequence[bool],
+    dead_band: Sequence[float],
 ) -> list[dict[str, Any]]:
     """Return one finding for each axis that cannot be judged, or only coarsely, beside a dead band that is all noise.
 
     Parameters
     ----------
-    baseline : windows of it. unseen : (n,) bool, the axis is never judged, or changes up to its limit are not seen.
+    baseline : (w,) bool, at whose end it is told. unseen : (n,) bool, the axis is never judged, or changes up to its
+        limit are not seen.
     noisy, dead_band [rad/s] : of the survey, (n,).
     """
+    last = int(np.flatnonzero(baseline)[-1]) if baseline.any() else 0
     return [
         {
-            "time": float(statistics.end[baseline - 1]),
+            "time": float(statistics.end[last]),
             "axes": [j + 1],
             "kind": "dead_band",
             "words": (

@@ -72,7 +72,7 @@ def write_history(path: str | Path, state: RobotState, robot: str) -> None:
         "end": moments(state.end),
         "end_seconds": np.repeat(state.end, n),
         "status": pa.array([str(s) for s in state.status.ravel()], pa.string()),
-        "baseline": np.repeat(np.arange(w) < state.baseline, n),
+        "baseline": np.repeat(state.baseline, n),
         "alarms": alarms.ravel(),
         "temperature": state.temperature.ravel(),
     }

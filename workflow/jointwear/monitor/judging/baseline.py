@@ -24,8 +24,8 @@ from jointwear.files.wording import count
 from jointwear.measurement.timestamps import moment_of, utc_seconds
 from jointwear.monitor.findings.findings import moment_words
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.normal.learning import FEWEST_SHIFTS, FEWEST_WINDOWS
-from jointwear.monitor.normal.shifts import shift_labels
+from jointwear.monitor.normal.learning import FEWEST_WINDOWS
+from jointwear.monitor.normal.shifts import FEWEST_SHIFTS, shift_labels
 from jointwear.monitor.reading.window_files import read_statistics, write_statistics
 from jointwear.monitor.reading.windows import WindowStatistics, merge
 
@@ -44,11 +44,6 @@ class Baseline:
     complete: bool
     words: str = ""
     advice: str = ""
-
-    @property
-    def count(self) -> int:
-        """Number of windows up to the end of the baseline."""
-        return int(np.flatnonzero(self.mask)[-1]) + 1 if self.mask.any() else 0
 
 
 def border(statistics: WindowStatistics, baseline: Mapping[str, Any], key: str) -> float | None:

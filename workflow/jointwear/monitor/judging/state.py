@@ -21,6 +21,7 @@ from jointwear.files.text_files import replace_text
 from jointwear.measurement.timestamps import stamp
 from jointwear.monitor.judging.judge import Judgement
 from jointwear.monitor.normal.friction import window_friction
+from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.assembly import History, Piece
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.records import DETECTORS, Reason
@@ -59,16 +60,22 @@ def write_state(
     path: str | Path,
     judgement: Judgement,
     history: History,
-    baseline: int,
+    baseline: np.ndarray,
     robot: Robot,
     entry: Mapping[str, Any],
     name: str,
 ) -> None:
-    """Write the state of every axis in every window: status, estimates, what they rest on, and the logs."""
+    """Write the state of every axis in every window: status, estimates, what they rest on, and the logs.
+
+    Parameters
+    ----------
+    baseline : (w,) bool, windows of the baseline. name : of `entry` in the config.
+    """
     s = history.statistics
     friction = window_friction(s, robot, baseline)
     variables = {
         **_window_variables(s, robot),
+        "baseline": Variable(("window",), baseline.astype(np.int32), "1 in windows of the baseline", "1", kind="i4"),
         "status": Variable(PAIR, np.array(judgement.status), "state of the axis"),
         "friction_speed": Variable(("axis",), friction.speed, "speed that `friction` is for", "rad/s"),
         **_estimate_variables(estimates_of(judgement) | {"friction": (friction.value, friction.std, "N m")}),
@@ -79,7 +86,6 @@ def write_state(
     attributes |= {
         "monitored": name,
         "robot": robot.name,
-        "baseline_windows": baseline,
         "dated": int(s.dated),
         "laid_end_to_end": int(history.shifted),
         "alarms": json.dumps(as_json(judgement.alarms)),
@@ -165,6 +171,7 @@ def estimates_of(judgement: Judgement) -> dict[str, tuple[np.ndarray, np.ndarray
 class RobotState:
     """What :func:`write_state` wrote. Arrays (window, axis) unless stated; `estimates`: name -> (values, std, unit).
 
+    `baseline`, `start`, `end` (window): whether it is one of the baseline, and its borders [s].
     `findings`: what is no alarm but must be told; `reason`: of :class:`~jointwear.monitor.watching.records.Reason`;
     `hours_to_limit` (axis, 3): median, low and high; `limited_by` (axis): the quantity whose limit that is;
     `now_error`: name of an estimate -> (axis,) standard deviation of its mean over the last day; `back`
@@ -175,7 +182,7 @@ class RobotState:
     robot: str
     joints: tuple[str, ...]
     dated: bool
-    baseline: int
+    baseline: np.ndarray
     laid_end_to_end: bool
     start: np.ndarray
     end: np.ndarray
@@ -217,6 +224,11 @@ class RobotState:
         return len(self.joints)
 
     @property
+    def after(self) -> np.ndarray:
+        """Windows (w,) bool after the last one of the baseline, those that are judged."""
+        return after_baseline(self.baseline)
+
+    @property
     def length(self) -> float:
         """Length of a window [s]."""
         return float(self.end[0] - self.start[0])
@@ -243,7 +255,7 @@ def read_state(path: str | Path) -> RobotState:
             robot=str(read_attribute(dataset, path, "robot")),
             joints=tuple(str(j) for j in get("joint")),
             dated=bool(read_attribute(dataset, path, "dated")),
-            baseline=int(read_attribute(dataset, path, "baseline_windows")),
+            baseline=get("baseline").astype(bool),
             laid_end_to_end=bool(read_attribute(dataset, path, "laid_end_to_end")),
             start=get("start"),
             end=get("end"),

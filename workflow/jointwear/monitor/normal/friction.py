@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointwear.monitor.normal.series import usual_speed
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 
@@ -39,9 +40,9 @@ class WindowFriction:
     speed: np.ndarray
 
 
-def window_friction(statistics: WindowStatistics, robot: Robot, baseline: int) -> WindowFriction:
-    """Return the friction at the usual speed of the first `baseline` windows (of all, where an axis rests in them)."""
-    speed = _usual_speed(statistics, baseline)
+def window_friction(statistics: WindowStatistics, robot: Robot, baseline: np.ndarray) -> WindowFriction:
+    """Return the friction at the usual speed of the windows of the `baseline` (w,) bool."""
+    speed = usual_speed(statistics, baseline)
     level = (np.abs(robot.coulomb_positive) + np.abs(robot.coulomb_negative)) / 2
     nominal = level + np.abs(robot.viscous) * speed
     size = np.where(nominal > 0, nominal, STANDS_FOR * statistics.torque_reference)
@@ -85,12 +86,3 @@ def window_friction(statistics: WindowStatistics, robot: Robot, baseline: int) -
     value[w, j] = np.where(shown, nominal[j] + growth, np.nan)
     std[w, j] = np.where(shown, error, np.nan)
     return WindowFriction(value, std, speed)
-
-
-def _usual_speed(statistics: WindowStatistics, baseline: int) -> np.ndarray:
-    def of(part: slice) -> np.ndarray:
-        square, count = statistics.gram[part, :, 2, 2].sum(axis=0), statistics.count[part].sum(axis=0)
-        return np.sqrt(square / np.maximum(count, 1))
-
-    first = of(slice(0, baseline))
-    return np.where(first > 0, first, of(slice(None)))

@@ -212,7 +212,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
     event = told[-1] if told and told[-1].time > begin and math.isfinite(until) else None
     open_ones = tuple(e for e in own if e.resolved is None)
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
-    after = judged[judged >= state.baseline]
+    after = judged[state.after[judged]]
     level = str(state.status[after[-1], j]) if len(after) else UNJUDGED
     loud = any(j + 1 in f["axes"] and "end" not in f for f in _unanswered(state, LOUD))
     if level == HEALTHY and (loud or _long_unseen(state, j, int(judged[-1]))):
@@ -255,7 +255,7 @@ def _viscous_overnight(state: RobotState, j: int, episodes: Sequence[Episode]) -
     first = min((e.first for e in episodes if e.quantity == VISCOUS), default=None)
     if first is None or "viscous_percent" not in state.estimates:
         return False
-    after = slice(state.baseline, None)
+    after = state.after
     viscous, coulomb = (state.estimates[name][0][after, j] for name in ("viscous_percent", "coulomb_percent"))
     return rose_overnight(state.end[after], viscous, first, coulomb)
 
@@ -264,7 +264,7 @@ def _last_judged(state: RobotState, j: int) -> tuple[float, float]:
     """Return begin and end [s] of the window in which a 0-based axis was judged last; NaN where it never was. While it
     is learnt anew it is not judged, whatever alarm stays open."""
     judged = np.flatnonzero((state.status[:, j] != UNJUDGED) & (state.reason[:, j] != Reason.LEARNING))
-    judged = judged[judged >= state.baseline]
+    judged = judged[state.after[judged]]
     return (float(state.start[judged[-1]]), float(state.end[judged[-1]])) if len(judged) else (math.nan, math.nan)
 
 

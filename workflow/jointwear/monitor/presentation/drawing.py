@@ -148,7 +148,9 @@ def draw_timeline(state: RobotState, name: str, output: str | Path, zone: tzinfo
     pauses = _pauses(at)
     panel = _Panel(n, TIME_ROW)
     axes = panel.axes
-    axes.axvspan(time[0], time[state.baseline - 1], color=palette.GRID, alpha=0.45, linewidth=0)
+    if state.baseline.any():
+        learnt = np.flatnonzero(state.baseline)
+        axes.axvspan(time[learnt[0]], time[learnt[-1]], color=palette.GRID, alpha=0.45, linewidth=0)
     told = []
     first, again = [], []
     for j in range(n):

@@ -196,7 +196,7 @@ def write_page(
     whole = robot_episodes(state)
     since = "" if row["last_judged"] is None else when(state, row["last_judged"], zone)
     newest, open_ones = last_judged(state), any(e.resolved is None for e in whole)
-    learnt = newest is not None and newest < state.baseline
+    learnt = newest is not None and not state.after[newest]
     heading, sentences = headline(summaries, open_ones, row["refused_newest"], since, learnt)
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
@@ -219,7 +219,7 @@ def write_page(
         "span_of": span_of,
         "reasons": [why_unjudged(state, j) for j in range(state.axes)],
         "span": (when(state, state.start[0], zone), when(state, state.end[-1], zone)),
-        "baseline_end": when(state, state.end[state.baseline - 1], zone) if state.baseline else "",
+        "baseline_end": when(state, state.end[state.baseline][-1], zone) if state.baseline.any() else "",
         # Where people read times in a zone of theirs, logs are likely to be written in it.
         "as_utc": row["dated"] and zone != UTC and state.entry.get("time_zone") is None,
         "flags": _flag_rows(state),

@@ -137,10 +137,9 @@ def refused_newest(state: RobotState) -> int:
     """
     newest = last_judged(state)
     since, reached = (-np.inf, -np.inf) if newest is None else (state.end[newest], state.start[newest])
-    if newest is None and state.baseline == len(state.start):
+    if newest is None and state.baseline[-1]:
         # While the baseline is learnt nothing is judged, and what it is learnt from is known.
-        newest = state.baseline - 1
-        since, reached = state.end[newest], state.start[newest]
+        since, reached = state.end[-1], state.start[-1]
     refused = (state.flags & int(Flag.REFUSED)).any(axis=1) & (state.end > since)
     count, before = 0, -np.inf
     logs = list(zip(state.refused, state.first, state.last, strict=True))

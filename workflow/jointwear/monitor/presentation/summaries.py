@@ -64,7 +64,7 @@ def axis_summary(
     """Return what the page says at a glance about a 0-based axis."""
     condition = condition or axis_conditions(state)[j]
     judged = np.flatnonzero(state.status[:, j] != UNJUDGED)
-    after = judged[judged >= state.baseline]
+    after = judged[state.after[judged]]
     remark = ""
     # Of an axis that was never judged the reason stands in the table of what cannot be judged.
     late = len(after) > 0 and bool(after[-1] < len(state.start) - FEWEST_NOW)
