@@ -1,17 +1,20 @@
 """Learning a robot's own model from the logs of its baseline: what is read, which programs, what is handed on."""
 
 import json
+import shutil
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from monitor_logs import ROBOT, START, columns, layout, make_log, model, write_csv, write_parquet
+from pyarrow import parquet
 
 from jointwear.discovery.model.written_robot import WrittenRobot
 from jointwear.files.errors import InputError
@@ -70,6 +73,31 @@ def test_a_log_that_cannot_be_read_is_told_and_left(logs, tmp_path):
     assert len(pieces) == 10
     assert len(refused) == 1
     assert "bad.csv" in refused[0]
+
+
+def test_a_misdated_log_neither_ends_nor_begins_what_is_learnt_from(logs, tmp_path):
+    """The second log, dated a year off, had left the first alone to learn from, without a word."""
+    for days in (365, -365):
+        folder = tmp_path / str(days)
+        folder.mkdir()
+        paths = [str(shutil.copy(log, folder)) for log in logs]
+        table = parquet.read_table(paths[2])
+        moved = pa.array(table["time"].to_numpy() + 86400 * days)
+        parquet.write_table(
+            table.set_column(table.schema.get_field_index("time"), table.schema.field("time"), moved), paths[2]
+        )
+        for baseline, count in (({"windows": 10}, 10), ({"until": "2026-01-01T06:00:00Z"}, 5)):
+            pieces, (told,) = baseline_pieces(paths, layout(), ENTRY | {"baseline": baseline})
+            assert len(pieces) == count
+            assert paths[2] not in {p.log for p in pieces}
+            assert f"{paths[2]}: its dates lie 365 days {'after' if days > 0 else 'before'} those of" in told
+
+
+def test_the_baseline_is_of_the_earliest_logs_whatever_their_names(logs, tmp_path):
+    """What comes later by time, though before by name, had ended it."""
+    paths = [str(shutil.copy(log, tmp_path / f"{(k + 9) % 14:02d}.parquet")) for k, log in enumerate(logs)]
+    pieces, refused = baseline_pieces(sorted(paths), layout(), ENTRY | {"baseline": {"windows": 8}})
+    assert ([p.log for p in pieces], refused) == (paths[:8], [])
 
 
 def test_undated_logs_whose_clock_starts_anew_follow_each_other(tmp_path):

@@ -78,6 +78,20 @@ def baseline_of(entry: Mapping[str, Any]) -> dict[str, Any]:
     return {**entry["baseline"], **moments}
 
 
+def asked_for(start: np.ndarray, end: np.ndarray, begin: float | None, until: float | None, windows: int) -> np.ndarray:
+    """Return the windows (w,) bool that `from`, `until` and `windows` of a baseline ask for, however few they are.
+
+    Parameters
+    ----------
+    start, end : (w,) [s] borders of the windows in order of time. begin, until : [s], None where it is not given.
+    windows : how many at most, 0 where that is not given.
+    """
+    mask = np.ones(len(start), dtype=bool) if begin is None else start >= begin
+    if until is not None:
+        mask &= end <= until
+    return mask & (np.cumsum(mask) <= windows) if until is None or windows else mask
+
+
 def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> Baseline:
     """Return the baseline that the config asks for, longer where it holds too little.
 
@@ -91,10 +105,7 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
         nothing = np.zeros(statistics.windows, dtype=bool)
         return Baseline(nothing, False, _yet_to_begin(statistics, begin), _ADVICE.format(key="from"))
     asked = int(given.get("windows", 0))
-    mask = after & (statistics.end <= until) if until is not None else np.zeros(statistics.windows, dtype=bool)
-    if until is None or asked:
-        first = np.flatnonzero(after)[:asked] if until is None else np.flatnonzero(mask)[:asked]
-        mask = np.isin(np.arange(statistics.windows), first)
+    mask = asked_for(statistics.start, statistics.end, begin, until, asked)
     if until is None and mask.sum() < asked:
         words = (
             f"The baseline asks for {asked} windows, the logs fill {int(mask.sum())}: nothing is judged until "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import tzinfo
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ from jointwear.measurement.clock import Clock, Ordered, part_of
 from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.measurement.turns import unwrapped
-from jointwear.monitor.judging.baseline import baseline_of
+from jointwear.monitor.judging.baseline import asked_for, baseline_of
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.plan import window_seconds
+from jointwear.monitor.reading.misdated import misdated_words
 
 #: Longest piece of one stretch that is taken [s], so that many hours fit, and shortest that shows anything.
 LONGEST, SHORTEST = 20.0, 4.0
@@ -22,6 +25,8 @@ LONGEST, SHORTEST = 20.0, 4.0
 MISSING = 0.02
 #: Samples that are read at a time.
 ROWS = 50_000
+#: Samples that tell when a log begins.
+FIRST_ROWS = 5_000
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,9 @@ class Piece:
 def baseline_pieces(logs: Sequence[str], layout: Layout, entry: Mapping[str, Any]) -> tuple[list[Piece], list[str]]:
     """Return the first piece of every window of the baseline, and what was refused.
 
+    As in the monitor, logs with dates count in order of time, and one that is
+    :func:`~jointwear.monitor.reading.misdated.misdated` is refused: it would end the baseline, or begin it.
+
     Parameters
     ----------
     logs : of the robot, in order. entry : its entry in the config, of which `window`, `baseline` and `time_zone` count.
@@ -53,7 +61,7 @@ def baseline_pieces(logs: Sequence[str], layout: Layout, entry: Mapping[str, Any
     length = window_seconds(entry.get("window", "1h"))
     within = _Baseline(baseline_of(entry), length)
     pieces: list[Piece] = []
-    refused: list[str] = []
+    logs, refused = _in_time(logs, layout, length, zone_of(entry.get("time_zone")))
     shift, last = 0.0, -np.inf
     for log in logs:
         found: dict[int, list[Piece]] = {}
@@ -76,31 +84,61 @@ def baseline_pieces(logs: Sequence[str], layout: Layout, entry: Mapping[str, Any
     return pieces, refused
 
 
+def _in_time(logs: Sequence[str], layout: Layout, length: float, zone: tzinfo) -> tuple[list[str], list[str]]:
+    """Return the logs in order of time, as they are given where one has no dates, and in words those that are misdated.
+
+    Parameters
+    ----------
+    logs : in order of their names. length : of a window [s]. zone : of the days in the names.
+    """
+    firsts = [_first(log, layout, length) for log in logs]
+    if not all(dated for _, dated in firsts):
+        return list(logs), []
+    first = np.array([time for time, _ in firsts])
+    words = misdated_words(first, logs, zone)
+    left = [k for k in range(len(logs)) if k not in words]
+    # A log of which nothing can be read stands behind the one before it by name.
+    place = np.fmax.accumulate([-np.inf, *first[left]])[1:]
+    place = np.where(np.isfinite(first[left]), first[left], place)
+    return [logs[left[k]] for k in np.argsort(place, kind="stable")], list(words.values())
+
+
+def _first(log: str, layout: Layout, length: float) -> tuple[float, bool]:
+    """Return the time of the first sample of a log [s], NaN where it cannot be read, and whether it may have dates."""
+    clock = Clock(length, log)
+    try:
+        for chunk in read_log(log, layout, FIRST_ROWS):
+            time = clock.order(chunk).chunk.time
+            if len(time):
+                return float(time[0]), chunk.dated
+    except InputError:
+        pass  # Told where its motion is read.
+    return float("nan"), True
+
+
 class _Baseline:
     """Which windows belong to the baseline of an entry; `over` once one beyond it was seen."""
 
     def __init__(self, baseline: Mapping[str, Any], length: float) -> None:
-        def seconds(key: str, default: float) -> float:
-            value = baseline.get(key, default)
-            return utc_seconds(value) if isinstance(value, str) else float(value)
+        def seconds(key: str) -> float | None:
+            value = baseline.get(key)
+            return None if value is None else utc_seconds(value) if isinstance(value, str) else float(value)
 
-        self._begin, self._end = seconds("from", -np.inf), seconds("until", np.inf)
-        self._most = int(baseline["windows"]) if "windows" in baseline else None
+        self._given = seconds("from"), seconds("until"), int(baseline.get("windows", 0))
         self._length = length
-        self._seen: set[int] = set()
+        self._seen: list[int] = []
+        self._own: set[int] = set()
         self.over = False
 
     def __call__(self, window: int) -> bool:
-        if window * self._length < self._begin:
-            return False
-        if (window + 1) * self._length > self._end:
-            self.over = True
-            return False
-        if self._most is not None and window not in self._seen and len(self._seen) >= self._most:
-            self.over = True
-            return False
-        self._seen.add(window)
-        return True
+        if window not in self._seen:
+            self._seen = sorted([*self._seen, window])
+            start = self._length * np.array(self._seen, dtype=float)
+            begin, until, windows = self._given
+            own = asked_for(start, start + self._length, begin, until, windows)
+            self._own = set(np.array(self._seen)[own].tolist())
+            self.over = bool(np.any(~own & (start >= (-np.inf if begin is None else begin))))
+        return window in self._own
 
 
 def _stretches(log: str, layout: Layout, length: float):

@@ -9,7 +9,7 @@ from datetime import datetime, tzinfo
 import numpy as np
 
 from jointwear.monitor.local_time import repeats_after, zone_of
-from jointwear.monitor.reading.misdated import misdated, wrong_of_overlapping
+from jointwear.monitor.reading.misdated import misdated_words, wrong_of_overlapping
 from jointwear.monitor.reading.program_labels import window_programs
 from jointwear.monitor.reading.windows import WindowStatistics, merge
 
@@ -202,15 +202,7 @@ def _misdated(pieces: Sequence[Piece], keys: Sequence[tuple | None], zone: tzinf
         if key is not None and key not in known:
             known.add(key)
             first[k] = piece.first
-    found = {}
-    for k, (before, after) in misdated(first, [p.log for p in pieces], zone).items():
-        days = min((first[k] - first[before], first[k] - first[after]), key=abs) / 86400
-        found[k] = (
-            f"{pieces[k].log}: its dates lie {abs(days):.0f} days {'after' if days > 0 else 'before'} those of "
-            f"{pieces[before].log} and {pieces[after].log}, between which it stands by name; was the clock wrong? Mend "
-            "its dates or leave it out"
-        )
-    return found
+    return misdated_words(first, [p.log for p in pieces], zone)
 
 
 def _meet(one: Piece, other: Piece) -> bool:

@@ -53,6 +53,19 @@ def misdated(first: np.ndarray, logs: Sequence[str], zone: tzinfo) -> dict[int, 
     return found
 
 
+def misdated_words(first: np.ndarray, logs: Sequence[str], zone: tzinfo) -> dict[int, str]:
+    """Return in words what is wrong with the dates of every log that is :func:`misdated`, of which parameters are."""
+    found = {}
+    for k, (before, after) in misdated(first, logs, zone).items():
+        days = min((first[k] - first[before], first[k] - first[after]), key=abs) / DAY
+        found[k] = (
+            f"{logs[k]}: its dates lie {abs(days):.0f} days {'after' if days > 0 else 'before'} those of "
+            f"{logs[before]} and {logs[after]}, between which it stands by name; was the clock wrong? Mend "
+            "its dates or leave it out"
+        )
+    return found
+
+
 def wrong_of_overlapping(
     logs: Sequence[str], first: np.ndarray, last: np.ndarray, overlapping: Mapping[int, int], zone: tzinfo
 ) -> dict[int, tuple[int, str]]:
