@@ -82,6 +82,10 @@ def test_where_the_gear_stays_on_one_flank_or_friction_rules_backlash_cannot_be_
     assert "friction" in reasons[5]
     slow = replace(statistics, near_count=0 * statistics.near_count, far_count=0 * statistics.far_count)
     assert all("too far apart" in r for r in hidden_because(slow, coulomb, np.arange(12) < 6)[:1])
+    # What later windows hold is no reason of the baseline.
+    after = (np.arange(12) >= 6)[:, None]
+    late = replace(statistics, near_count=after * statistics.near_count, far_count=after * statistics.far_count)
+    assert hidden_because(late, coulomb, np.arange(12) < 6) == hidden_because(slow, coulomb, np.arange(12) < 6)
     assert reach_of(0.9 * SLOWEST) == 0
 
 

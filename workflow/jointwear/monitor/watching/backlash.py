@@ -78,7 +78,7 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
     for j in range(statistics.axes):
         rows = moved[:, j]
         count = max(int(statistics.count[rows, j].sum()), 1)
-        gathered = statistics.near_count[:, j].sum() + statistics.far_count[:, j].sum()
+        gathered = statistics.near_count[rows, j].sum() + statistics.far_count[rows, j].sum()
         load = np.sqrt(np.trace(statistics.gram[rows, j, 3:, 3:].sum(axis=0)) / count)
         turns = statistics.turns[rows, j] >= FEWEST_TURNS
         short = (statistics.near_count[rows, j] < FEWEST) | (statistics.far_count[rows, j] < FEWEST)
