@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointwear.monitor.normal.conditions import operating_features
-from jointwear.monitor.normal.estimate import Sums
-from jointwear.monitor.normal.payload import GravityTorque, gravity_share
+from jointwear.monitor.normal.estimate import Sums, change_columns
+from jointwear.monitor.normal.payload import VARIES, GravityTorque, gravity_share, of_load
 from jointwear.monitor.reading.windows import blank_statistics
 
 SAMPLES = 400
@@ -70,3 +70,33 @@ def test_where_gravity_cannot_be_read_neither_counts():
     assert not static.share.any()
     assert not static.constant.any()
     assert not robot.any()
+
+
+def load_in(rows: np.ndarray, share: float, constant: float) -> GravityTorque:
+    nothing = np.zeros((1, 1))
+    sums = change_columns(
+        (rows.T @ rows)[None, None], np.zeros((1, 1, 5)), nothing, nothing, nothing > -1, np.ones((1, 2))
+    )
+    return of_load(GravityTorque(np.array([[share]]), np.array([[constant]])), sums)
+
+
+@given(st.floats(-60, 60), st.floats(0, 20), st.floats(-0.5, 0.5), st.floats(-10, 10))
+def test_a_constant_is_no_load_and_a_share_one_as_far_as_gravity_varies(middle, swing, share, constant):
+    time = np.linspace(0, 7, SAMPLES)
+    rows = moved(middle + swing * np.cos(time), np.sin(time))
+    load = load_in(rows, share, constant)
+    assert load.share[0, 0] == share
+    mean, deviation = rows[:, 3].mean(), rows[:, 3].std()
+    told = share * mean + load.constant[0, 0]
+    assert abs(told) <= abs(share * mean) + 1e-9
+    if deviation > 0:
+        assert told == pytest.approx(share * mean / (1 + (VARIES * mean / deviation) ** 2), abs=1e-6)
+
+
+@given(st.floats(0.3, 0.7))
+def test_wear_that_moves_share_and_constant_against_each_other_is_no_load(growth):
+    time = np.linspace(0, 7, SAMPLES)
+    rows = moved(np.full(SAMPLES, -40.0), np.sin(time))
+    load = load_in(rows, growth, 40.0 * growth)
+    told = features_of(rows, load.share[0, 0], load.constant[0, 0])
+    assert told == pytest.approx(features_of(rows, 0.0, 0.0), abs=1e-5)

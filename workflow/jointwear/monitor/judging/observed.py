@@ -12,7 +12,7 @@ from jointwear.monitor.findings.thermometers import stuck
 from jointwear.monitor.judging.judge_settings import JudgeSettings
 from jointwear.monitor.normal.conditions import Conditions, operating_features
 from jointwear.monitor.normal.override import path_speed, unseen_speed
-from jointwear.monitor.normal.payload import gravity_share
+from jointwear.monitor.normal.payload import gravity_share, of_load
 from jointwear.monitor.normal.products import Product, with_products
 from jointwear.monitor.normal.programs import labelled_regimes
 from jointwear.monitor.normal.series import Series, by_programs, friction_series, known_coulomb, sums_of
@@ -57,7 +57,7 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     series = friction_series(statistics, coulomb, settings.viscous, first)
     sums, noise = sums_of(statistics, coulomb, first)
     static, load = gravity_share(sums, noise)
-    features, speed = operating_features(statistics, np.maximum(series["friction"].unit, 1e-9), static)
+    features, speed = operating_features(statistics, np.maximum(series["friction"].unit, 1e-9), of_load(static, sums))
     regime = labelled_regimes(statistics.labels, first)
     named = regime is not None
     if not named:

@@ -99,7 +99,7 @@ def operating_features(
     statistics: WindowStatistics, friction: np.ndarray, static: GravityTorque
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the operating features (w, n, 5) and the root mean square speed (w, n); `friction` (n,) [N m] scales,
-    `static` tells what the gravity torque differs by from the model's."""
+    `static` tells what a load makes of the gravity torque (:func:`.payload.of_load`)."""
     gram = statistics.gram
     with np.errstate(invalid="ignore", divide="ignore"):
         count = np.where(statistics.count > 0, statistics.count, np.nan).astype(float)

@@ -1,0 +1,59 @@
+"""Friction that grows in one direction alone, on axes that carry gravity, is no load and is told at its size."""
+
+import numpy as np
+import pytest
+from monitor_windows import COULOMB, SETTINGS, motion, residuals, statistics_of
+
+from jointwear.monitor.judging.judge import judge
+
+WINDOWS, BASELINE, MEAN = 264, 120, 20.0
+
+
+def carrying(swing: float) -> np.ndarray:
+    """Regressors (s, n, 5) of axes whose gravity torque varies by `swing` [N m] about its mean."""
+    x = motion()
+    x[..., 3] = MEAN + swing * x[..., 3] / x[..., 3].std(axis=0)
+    return x
+
+
+def judged(x: np.ndarray, extra: np.ndarray):
+    return judge(statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), 13, extra), x=x), BASELINE, SETTINGS)
+
+
+def since_baseline() -> np.ndarray:
+    """A ramp (w,) from 0 at the end of the baseline to 1."""
+    return np.clip((np.arange(WINDOWS) - BASELINE) / (WINDOWS - BASELINE), 0, 1)
+
+
+@pytest.mark.parametrize("swing", [0.5, 1.6, 5.0, 20.0])
+@pytest.mark.parametrize(("forwards", "backwards"), [(0.5, 0.0), (0.0, 0.8), (0.3, 0.2)])
+def test_growth_in_one_direction_is_told_at_its_size_as_coulomb_friction(forwards, backwards, swing):
+    x, extra = carrying(swing), np.zeros((WINDOWS, *motion().shape[:2]))
+    growth = forwards * COULOMB[0, 0] * x[:, 0, 0] + backwards * COULOMB[0, 1] * x[:, 0, 1]
+    extra[..., 0] = since_baseline()[:, None] * growth
+    result = judged(x, extra)
+    told = [a for a in result.alarms if a["detector"] == "model"]
+    assert {(a["axis"], a["quantity"].split()[0]) for a in told} == {(1, "coulomb")}
+    whole = 100 * (forwards * COULOMB[0, 0] + backwards * COULOMB[0, 1]) / COULOMB[0].sum()
+    mean = np.mean(whole * since_baseline()[-12:])
+    found, std = (np.mean(values["coulomb_percent"][-12:, 0]) for values in (result.estimates, result.std))
+    assert found == pytest.approx(mean, abs=max(3 * std, 1.0))
+
+
+@pytest.mark.parametrize("swing", [5.0, 20.0])
+@pytest.mark.parametrize("constant", [-2.0, 0.0, 2.0])
+def test_another_load_raises_nothing(constant, swing):
+    x, extra = carrying(swing), np.zeros((WINDOWS, *motion().shape[:2]))
+    extra[BASELINE + 24 :, :, :2] = (0.15 * x[..., 3] + constant)[:, :2]
+    result = judged(x, extra)
+    assert not [a for a in result.alarms if a["detector"] == "model"]
+
+
+@pytest.mark.parametrize("offset", [-6.0, 6.0])
+def test_an_offset_that_drifts_is_neither_friction_nor_a_service(offset):
+    x, extra = carrying(5.0), np.zeros((WINDOWS, *motion().shape[:2]))
+    extra[..., 0] = offset * since_baseline()[:, None]
+    result = judged(x, extra)
+    assert not [a for a in result.alarms if a["detector"] == "model"]
+    assert "proposed_service" not in {f["kind"] for f in result.findings}
+    assert np.nanmax(np.abs(result.estimates["coulomb_percent"][-12:, 0])) < 2
