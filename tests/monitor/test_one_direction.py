@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from monitor_windows import COULOMB, SETTINGS, motion, residuals, statistics_of
 
+from jointwear.monitor.findings.offsets import OFFSET
 from jointwear.monitor.judging.judge import judge
 
 WINDOWS, BASELINE, MEAN = 264, 120, 20.0
@@ -57,3 +58,24 @@ def test_an_offset_that_drifts_is_neither_friction_nor_a_service(offset):
     assert not [a for a in result.alarms if a["detector"] == "model"]
     assert "proposed_service" not in {f["kind"] for f in result.findings}
     assert np.nanmax(np.abs(result.estimates["coulomb_percent"][-12:, 0])) < 2
+
+
+def offsets(axes: list[int], offset: float, hours: int) -> list[dict]:
+    """Findings on an offset of 0-based axes, a share of their Coulomb friction, that lasts some hours."""
+    x, extra = carrying(5.0), np.zeros((WINDOWS, *motion().shape[:2]))
+    extra[BASELINE : BASELINE + hours, :, axes] = offset * COULOMB[axes].mean(axis=1)
+    return [f for f in judged(x, extra).findings if f["kind"] == OFFSET]
+
+
+@pytest.mark.parametrize(("offset", "size"), [(0.5, "4"), (-0.5, "−4")])
+def test_an_offset_of_one_axis_is_told_while_it_lasts(offset, size):
+    (found,) = offsets([0], offset, 96)
+    assert found["axes"] == [1]
+    assert f"The torque of axis 1 is off by {size} N m" in found["words"]
+    assert found["time"] == 3600.0 * BASELINE
+    assert found["end"] == 3600.0 * (BASELINE + 96)
+
+
+@pytest.mark.parametrize(("axes", "offset", "hours"), [([0], 0.05, 96), ([0], 0.5, 16), ([0, 1], 0.5, 96)])
+def test_small_or_short_offsets_and_those_of_several_axes_are_not_told(axes, offset, hours):
+    assert offsets(axes, offset, hours) == []

@@ -18,6 +18,7 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.findings.findings import findings_of
 from jointwear.monitor.findings.greasing import greasing_findings
 from jointwear.monitor.findings.odd_motion import odd_motion_findings
+from jointwear.monitor.findings.offsets import offset_findings
 from jointwear.monitor.findings.read_findings import driving_findings, reading_findings
 from jointwear.monitor.findings.seen_growth import coarse_findings, loose_findings, missed_findings
 from jointwear.monitor.findings.still_growth import standstill_findings
@@ -54,6 +55,7 @@ from jointwear.monitor.watching.records import CHANGED, Teller, paper_records
 from jointwear.monitor.watching.scale import ScaleStep, scale_steps
 from jointwear.monitor.watching.shared_error import units_of_levels
 from jointwear.monitor.watching.watching import Watch, before_events, watch
+from jointwear.statistics.known import known_median
 
 #: Rounds in which changed scales of the torque are looked for, and at which rate of false alarms per 1,000 h: a scale
 #: makes axes be learnt anew, and no stated rate may decide what is learnt.
@@ -216,7 +218,15 @@ def _findings(
         *zero_finding(statistics, zero),
         *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),
         *driving_findings(statistics, seen.series["friction"].driving, shift),
+        *offset_findings(statistics, seen.offset, _usual_friction(seen), seen.regime, shift, first, seen.events),
     ]
+
+
+def _usual_friction(seen: Observed) -> np.ndarray:
+    """Return the friction (n,) [N m] at the usual speed in the middle of the baseline, NaN where it is not seen."""
+    friction = seen.series["friction"]
+    with np.errstate(all="ignore"):
+        return friction.unit * np.exp(known_median(np.where(seen.baseline[:, None], friction.value, np.nan), axis=0))
 
 
 def _normal_states(

@@ -30,7 +30,8 @@ class Observed:
     `baseline` (w,) bool; `series`: friction by name; `scale`: of the torque; `hidden`: per axis, why backlash cannot be
     seen, empty where it can; `shift` (w,) labels; `regime` (w,) program of each window or None; `events`: per axis,
     windows at which the config says that something was done to it; `kept`: those of them that tell of another program
-    alone, which repairs nothing; `products` that the baseline lacks, each a program of `conditions`.
+    alone, which repairs nothing; `products` that the baseline lacks, each a program of `conditions`; `offset`: (w, n)
+    constant torque [N m] beside gravity, NaN where the motion does not show it.
     """
 
     baseline: np.ndarray
@@ -43,6 +44,7 @@ class Observed:
     events: list[list[int]]
     kept: list[list[int]]
     products: tuple[Product, ...]
+    offset: np.ndarray
 
 
 def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: JudgeSettings) -> Observed:
@@ -86,4 +88,5 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
         events=events,
         kept=[[k for k in every if k not in own] for every, own in zip(events, mended, strict=True)],
         products=products,
+        offset=np.where(static.share != 0, static.constant, np.nan),
     )

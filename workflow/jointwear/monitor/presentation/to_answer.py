@@ -10,6 +10,7 @@ from jointwear.monitor.findings.findings import AT_ONCE, FELL, PROGRAM, SHARED
 from jointwear.monitor.findings.greasing import GREASED
 from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
+from jointwear.monitor.findings.offsets import OFFSET
 from jointwear.monitor.findings.read_findings import DRIVES, NONE
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.thermometers import BROKEN
@@ -24,7 +25,7 @@ AHEAD = "dated_ahead"
 ASKING = (AHEAD, ELSEWHERE, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREASED, LOUD, ZERO)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN)
+WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN, OFFSET)
 #: Kinds that only tell how a robot ran and what of it is judged, unless they name logs to look at.
 TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED)
 

@@ -1,0 +1,85 @@
+"""An offset of the torque of one axis that carries gravity, the same in both directions of motion.
+
+It is neither friction in the mean of both directions nor a load, which shows on several axes: a torque sensor whose
+zero drifts, or friction that grows in one direction of motion more than in the other. The judgement counts no part of
+it, so that it has to be told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.findings.spells import spell_finding, spells
+from jointwear.monitor.reading.after_baseline import after_baseline
+from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
+from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.publishing.report.numbers import number
+from jointwear.statistics.known import known_median
+
+#: Kind of the finding.
+OFFSET = "offset"
+#: Smallest offset that is told, as a share of the friction at the usual speed; how many times the largest of a shift of
+#: the baseline it is; and the share of these limits that another axis reaches where a load may be the cause. Of 72
+#: robots of the thirty-second fleet, with parts and loads that come and go, none shows that, nor 0.05.
+LEAST, TIMES, ALONE = 0.08, 4.0, 0.5
+#: Shifts in a row that show it, and windows of each; fewest shifts of the baseline.
+SHIFTS, WINDOWS, FEWEST = 3, 3, 3
+
+_WORDS = (
+    "The torque of {axes} is off by {size} N m, {percent} % of its friction, in both directions of motion alike, and "
+    "that of no other axis is: the zero of its torque drifts, or its friction grows in one direction of motion more "
+    "than in the other. The offset counts as no friction; what that grew by in the mean of both is judged as before."
+)
+
+
+def offset_findings(
+    statistics: WindowStatistics,
+    offset: np.ndarray,
+    friction: np.ndarray,
+    regime: np.ndarray | None,
+    shift: np.ndarray,
+    baseline: np.ndarray,
+    events: Sequence[Sequence[int]],
+) -> list[dict[str, Any]]:
+    """Return one finding for each spell of shifts after the baseline in which one axis alone has another offset.
+
+    Parameters
+    ----------
+    offset : (w, n) constant torque [N m], NaN unknown. friction : (n,) at the usual speed in the baseline [N m].
+    regime : (w,) program of each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool.
+    events : for each axis the windows of the events that a user entered; one after the begin answers it.
+    """
+    size = np.where(friction > 0, friction, np.nan)
+    change = beyond_usual(offset / size, programs_or_one(regime, statistics.windows), baseline)
+    early = [_middle(change[(shift == s) & baseline]) for s in np.unique(shift[baseline])]
+    after = after_baseline(baseline)
+    rows = [np.flatnonzero((shift == s) & after) for s in np.unique(shift[after])]
+    if not early or not rows:
+        return []
+    usual = np.abs(np.array(early))
+    with np.errstate(invalid="ignore"):
+        limit = np.maximum(LEAST, TIMES * np.fmax.reduce(usual, axis=0))
+    limit[np.isfinite(usual).sum(axis=0) < FEWEST] = np.nan
+    over = np.array([_middle(change[own]) for own in rows]) / limit
+    found = []
+    for j in range(statistics.axes):
+        others = np.nan_to_num(np.abs(np.delete(over, j, axis=1))).max(axis=1, initial=0.0)
+        for sign in (1.0, -1.0):
+            for part in spells((sign * np.nan_to_num(over[:, j]) > 1) & (others < ALONE), SHIFTS):
+                own = np.concatenate(rows[part])
+                share = float(_middle(change[rows[part][-1]])[j])
+                words = _WORDS.format(
+                    axes=name_axes([j + 1]), size=number(share * size[j], 2), percent=number(100 * abs(share), 2)
+                )
+                found.append(spell_finding(statistics, own, [j + 1], OFFSET, words, [events[j]]))
+    return found
+
+
+def _middle(values: np.ndarray) -> np.ndarray:
+    """Return the median of each column of windows (k, n), NaN where too few are known."""
+    with np.errstate(all="ignore"):
+        return np.where(np.isfinite(values).sum(axis=0) >= WINDOWS, known_median(values, axis=0), np.nan)
