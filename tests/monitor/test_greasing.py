@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jointwear.monitor.findings.greasing import GREASED, LASTS, greasing_findings
-from jointwear.monitor.presentation.overnight import rose_overnight
+from jointwear.monitor.presentation.overnight import greased_since, rose_alike, rose_overnight
 from jointwear.monitor.presentation.to_answer import asks_for_answer
 
 #: Twelve shifts of four windows, four of them the baseline, of five axes.
@@ -116,3 +116,30 @@ def test_grease_that_is_worked_soft_is_told_by_the_coulomb_friction_that_fell_wi
     assert not rose_overnight(end, soft, 8 * day, np.where(end > 6.5 * day, np.nan, fell))
     grows = np.repeat(4.0 * np.maximum(np.arange(12) - 5, 0), 3)
     assert not rose_overnight(end, grows, 8 * day, fell)
+
+
+def test_both_kinds_that_rose_by_one_share_at_once_are_told_from_wear_of_both():
+    day = 86400.0
+    end = day * np.repeat(np.arange(12), 3) + 30000.0
+    noise = np.random.default_rng(2).standard_normal((2, 36))
+    step, ramp = (np.repeat(x, 3) for x in (since(6, 9.0), 2.0 * np.maximum(np.arange(12) - 5, 0)))
+    assert rose_alike(end, step + 0.3 * noise[0], step + noise[1], 7 * day)
+    assert not rose_alike(end, step + 0.3 * noise[0], noise[1], 7 * day)
+    assert not rose_alike(end, step + 0.3 * noise[0], 2 * step + noise[1], 7 * day)
+    assert not rose_alike(end, ramp + 0.3 * noise[0], ramp + noise[1], 9 * day)
+    assert not rose_alike(end, step + 0.3 * noise[0], np.full(36, np.nan), 7 * day)
+    # Of one day alone nothing is said to have kept.
+    assert not rose_alike(end[:21], step[:21], step[:21], 7 * day)
+
+
+def test_a_fall_at_once_beside_viscous_friction_that_rose_is_grease_after_an_alarm_alone():
+    day = 86400.0
+    end = day * np.repeat(np.arange(12), 3) + 30000.0
+    noise = 0.2 * np.random.default_rng(3).standard_normal((2, 36))
+    grown = np.repeat(np.where(np.arange(12) < 8, 1.5 * np.arange(12), 3.0), 3)
+    rose = np.repeat(since(8, 20.0), 3)
+    assert greased_since(end, grown + noise[0], rose + noise[1], 4 * day)
+    assert not greased_since(end, grown + noise[0], rose + noise[1], 9 * day)
+    assert not greased_since(end, grown + noise[0], -rose + noise[1], 4 * day)
+    assert not greased_since(end, np.repeat(1.5 * np.arange(12), 3) + noise[0], rose + noise[1], 4 * day)
+    assert not greased_since(end[:0], grown[:0], rose[:0], 4 * day)

@@ -51,6 +51,14 @@ def test_a_limit_of_one_quantity_is_reached_where_what_is_told_of_it_is(grown, w
     assert told == f"limit of viscous friction (+20 %) {words}"
 
 
+def test_growth_that_is_hardly_known_may_have_reached_its_limit():
+    axis = {"hours": [0.0] * 3, "reached": False, "quantity": "viscous friction", "limit": 20.0, "growth": 1.0}
+    told = outlook_words(
+        {"dated": False, "last_sample": 0.0}, {**axis, "viscous_growth": 74.0, "unsure": True}, zone_of(None)
+    )
+    assert told == "limit of viscous friction (+20 %) may be reached by now"
+
+
 def test_the_size_of_backlash_is_told_as_the_least_it_is():
     axis = {"growth": None, "limit": 20.0, "quantity": "backlash", "change": 53.0, "unit": "%"}
     assert change_words(axis) == "backlash: pulses at reversals by +53 % at least"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.judging.state import RobotState
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.episodes import Episode, episodes_of
-from jointwear.monitor.presentation.overnight import rose_overnight
+from jointwear.monitor.presentation.overnight import greased_since, rose_alike, rose_overnight
 from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS
@@ -31,6 +31,22 @@ REACHED = "limit reached"
 CONTRADICTED = (
     "friction alone does not explain it, as Coulomb friction is below normal and viscous friction far above: check the "
     "gear for play at reversals with the flange clamped, belt and coupling, then the load that it carries"
+)
+#: What to check first where all friction of an axis rose by one share at once.
+SCALED = (
+    "Coulomb and viscous friction rose at once by about the same share and have kept, as with another scale of the "
+    "torque or an axis that is colder, and no wear: check the sensor, unit and torque constant of the drive and "
+    "compare temperatures first, and enter it as 'sensor' if it was one; if neither, "
+)
+#: What to check first where Coulomb friction fell at once while viscous friction rose.
+REPAIRED = (
+    "was it serviced or greased? Coulomb friction fell at once after its alarm while viscous friction rose, as with "
+    "new grease; enter that as a service; if not, "
+)
+#: What to check first where the error of the growth is as large as the limit.
+UNSURE = (
+    "its growth is hardly known yet: its standard error is as large as the limit, as under a load or in a program that "
+    "the normal period hardly had; ask what changed there first, then "
 )
 #: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
 SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
@@ -73,7 +89,8 @@ class AxisCondition:
     which nothing of the axis has been judged yet, None where there is none; its growth is then that of before, up to
     `until` [s], the end of the window that it was judged in last, and NaN elsewhere. `together`: by now all axes have
     moved together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept, or
-    Coulomb friction fell with it.
+    Coulomb friction fell with it. `scaled`: both kinds rose by the same share at once; `repaired`: Coulomb friction
+    fell at once after its alarm while viscous friction rose.
     """
 
     axis: int
@@ -96,6 +113,8 @@ class AxisCondition:
     until: float = math.nan
     together: bool = False
     overnight: bool = False
+    scaled: bool = False
+    repaired: bool = False
 
     @property
     def closed(self) -> bool:
@@ -129,6 +148,8 @@ class AxisCondition:
         told = (
             CONTRADICTED if self.contradicted else advice(self.main.quantity, self.main.newest["change"], self.greased)
         )
+        first = REPAIRED if self.repaired else SCALED if self.scaled else UNSURE if self.unsure else ""
+        told = first + told
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
         return told
@@ -175,9 +196,22 @@ class AxisCondition:
     @property
     def reached(self) -> bool:
         """Whether the growth that is told has reached the limit while the axis counts as changed; growth that an event
-        has closed, or that is :attr:`contradicted`, counts no more."""
-        viscous = self.viscous_told and self.viscous >= self.limit and not self.contradicted
-        return self.level == CHANGED and not self.closed and bool(self.growth >= self.limit or viscous)
+        has closed, or that is :attr:`contradicted`, counts no more, nor does viscous friction of an axis that was
+        :attr:`repaired`."""
+        viscous = self.viscous_told and self._at_limit(VISCOUS) and not self.contradicted and not self.repaired
+        return self.level == CHANGED and not self.closed and (self._at_limit(COULOMB) or viscous)
+
+    def _at_limit(self, kind: str) -> bool:
+        """Whether growth of a kind of friction has reached the limit. Where its standard error is as large as the limit
+        that cannot be told: the error of a normal state that is hardly known is a rough one."""
+        grown, std = (self.viscous, self.viscous_std) if kind == VISCOUS else (self.growth, self.growth_std)
+        return grown >= self.limit and not std >= self.limit
+
+    @property
+    def unsure(self) -> bool:
+        """Whether the standard error of the growth that alarmed is as large as the limit."""
+        kinds = {VISCOUS: self.viscous_std, COULOMB: self.growth_std}
+        return self.main is not None and kinds.get(self.main.quantity, 0.0) >= self.limit
 
     @property
     def over(self) -> str:
@@ -246,8 +280,27 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         until=until if event else math.nan,
         together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
         overnight=_viscous_overnight(state, j, open_ones) and not growth > CLEAR * std,
+        scaled=_of_coulomb(rose_alike, state, j, open_ones),
+        repaired=_of_coulomb(greased_since, state, j, open_ones),
     )
-    return replace(found_now, outlook=None) if found_now.contradicted else found_now
+    # One step has no rate of growth, and what was done to the axis is another than what was followed until then.
+    dateless = found_now.contradicted or found_now.scaled or found_now.repaired
+    return replace(found_now, outlook=None) if dateless else found_now
+
+
+def _of_coulomb(
+    told: Callable[[np.ndarray, np.ndarray, np.ndarray, float], bool],
+    state: RobotState,
+    j: int,
+    episodes: Sequence[Episode],
+) -> bool:
+    """Whether what both kinds of friction of a 0-based axis did is as `told` of an alarm of Coulomb friction."""
+    first = min((e.first for e in episodes if e.quantity == COULOMB), default=None)
+    if first is None or not {"coulomb_percent", "viscous_percent"} <= set(state.estimates):
+        return False
+    after = slice(state.baseline, None)
+    kinds = (state.estimates[name][0][after, j] for name in ("coulomb_percent", "viscous_percent"))
+    return told(state.end[after], *kinds, first)
 
 
 def _viscous_overnight(state: RobotState, j: int, episodes: Sequence[Episode]) -> bool:

@@ -1,4 +1,5 @@
-"""Growth that came overnight and has kept since, as new grease does and no wear."""
+"""Growth that came overnight and has kept since, as new grease, another scale of the torque or a temperature make it
+and no wear; and Coulomb friction that fell overnight while viscous friction rose, as where a worn axis was greased."""
 
 from __future__ import annotations
 
@@ -12,6 +13,9 @@ KEPT = 0.25
 #: Part of the first day's step that grease which is worked soft leaves, and standard errors by which Coulomb friction
 #: is lower since, which thicker grease lowers and no wear.
 SOFT, CLEAR = 0.3, 3.0
+#: Part of a step by which another one may differ to be of the same share, and of what stood before it that is left at
+#: most of what fell.
+ALIKE, LEFT = 0.5, 0.5
 #: Days looked back at from an alarm: it may have needed some shifts.
 BACK = 7
 
@@ -36,6 +40,48 @@ def rose_overnight(end: np.ndarray, growth: np.ndarray, alarm: float, coulomb: n
         between = -KEPT * step < means[k] < (1 + KEPT) * step
         kept = (after > SOFT * step) & (after < (1 + KEPT) * step) if fell else np.abs(after - step) < KEPT * step
         if between and kept.all() and np.abs(before).max() < KEPT * step:
+            return True
+    return False
+
+
+def rose_alike(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:
+    """Return whether Coulomb and viscous friction rose by the same share at once before an alarm, and have kept: both
+    clearly, by the scatter of their days, Coulomb friction by more than half of the step on every day since.
+
+    Parameters
+    ----------
+    end : (w,) [s] of the windows after the baseline. coulomb, viscous : (w,) growth [%] of itself, NaN unknown. alarm :
+    time [s] of the first alarm.
+    """
+    known = np.isfinite(coulomb) & np.isfinite(viscous)
+    (names, own), (_, other) = (_days(end[known], growth[known]) for growth in (coulomb, viscous))
+    first = int(np.searchsorted(names, np.floor(alarm / DAY), side="right"))
+    for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST + 1)):
+        step = float(np.mean(own[k:]) - np.mean(own[:k]))
+        along = float(np.mean(other[k:]) - np.mean(other[:k]))
+        at_once = own[:k].max() < LEFT * step < own[k:].min()
+        if at_once and abs(along - step) < ALIKE * step and all(_fell(x[k:], x[:k]) for x in (own, other)):
+            # What wears goes on: the later half of the days since is as the earlier one, by what they scatter.
+            half = (len(own) - k) // 2
+            if not (_fell(own[k + half :], own[k : k + half]) or np.ptp(own[k:]) > step):
+                return True
+    return False
+
+
+def greased_since(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:
+    """Return whether Coulomb friction fell to less than half from one day to the next after an alarm, and has kept,
+    while viscous friction rose: both clearly, by the scatter of their days.
+
+    Parameters are those of :func:`rose_alike`.
+    """
+    known = np.isfinite(coulomb) & np.isfinite(viscous)
+    (names, own), (_, other) = (_days(end[known], growth[known]) for growth in (coulomb, viscous))
+    first = int(np.searchsorted(names, np.floor(alarm / DAY)))
+    for k in range(first + 1, len(names) - FEWEST + 1):
+        # What has grown for days lies below the newest of them: these alone stand for what was before.
+        before, after = slice(max(k - FEWEST, 0), k), slice(k, None)
+        fallen = own[k:].max() < LEFT * own[before].min()
+        if fallen and _fell(own[before], own[after]) and _fell(other[after], other[before]):
             return True
     return False
 

@@ -201,6 +201,7 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "joint": condition.joint,
         "level": condition.level,
         "reached": bool(condition.reached),
+        "unsure": bool(condition.unsure),
         "growth": six_digits(condition.growth),
         "growth_std": six_digits(condition.growth_std),
         "limit": condition.limit,

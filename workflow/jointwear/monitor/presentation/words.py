@@ -168,7 +168,7 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
         # Growth that is told as less than the limit, though some of it may not be seen, has not reached it.
         grown = axis.get("viscous_growth" if "viscous" in kind else "growth")
         below = grown is not None and round(grown, 1) < axis["limit"]
-        return f"{limit} {MAY_BE_REACHED if below else 'reached'}"
+        return f"{limit} {MAY_BE_REACHED if below or axis.get('unsure') else 'reached'}"
     if limit == "limit" and (axis.get("growth") or 0.0) < 0.0:
         # It grew from where it was learnt anew: beside the growth since the baseline that date would mislead.
         return ""
