@@ -9,7 +9,8 @@ from jointwear.monitor.normal.dispersion import (
 from jointwear.monitor.normal.normal_state import Posterior
 from jointwear.monitor.normal.recent_shifts import AxisWindows, _unexplained
 from jointwear.monitor.normal.shift_scale import shift_scale
-from jointwear.monitor.watching.decision import DOUBT, STEP_WINDOWS, TOLERATED, shift_evidence
+from jointwear.monitor.watching.decision import DOUBT, STEP_WINDOWS, TOLERATED, Evidence, shift_evidence
+from jointwear.monitor.watching.watching import _service
 
 
 def evidence(
@@ -139,6 +140,36 @@ def test_a_fall_that_is_over_by_its_third_shift_proposes_nothing():
     assert np.isneginf(evidence(over[[0, 1, 2, 4, 3]]).fall[-1])
     # One that goes on slowly is a fall all the same.
     assert np.isfinite(evidence(-0.01 * np.arange(7)).fall[-1])
+
+
+def test_a_fall_waits_for_the_windows_of_its_third_shift():
+    fall = evidence(np.array([0, 0, -0.04, -0.04, -0.04])).fall
+    assert np.isfinite(fall[-8 + STEP_WINDOWS - 1])
+    assert np.isneginf(fall[: -8 + STEP_WINDOWS - 1]).all()
+
+
+def told_fall(fall, judged=None, shifts=3):
+    """Evidence of a fall (w,) in windows that are `judged` (w,), all by default."""
+    fall = np.asarray(fall, dtype=float)
+    std = np.where(np.ones(len(fall), dtype=bool) if judged is None else judged, 0.01, np.inf)
+    same = np.zeros(len(fall))
+    return Evidence(same - np.inf, fall, same - np.inf, same, std, np.full(len(fall), shifts))
+
+
+def test_a_service_is_proposed_by_whole_shifts_and_begins_where_the_first_judged_one_does():
+    """Four services that never were came of the first windows of a third shift, which as a whole took the fall back."""
+    shift, baseline = np.repeat(np.arange(6), 4), np.arange(24) < 4
+    over = np.zeros(24)
+    over[16:18] = 9.0
+    assert _service(told_fall(over), 4.0, shift, baseline) is None
+    over[18:20] = 9.0
+    assert _service(told_fall(over), 4.0, shift, baseline) == (19, 8)
+    # A shift that goes on tells by its windows so far.
+    assert _service(told_fall(over[:19]), 4.0, shift[:19], baseline[:19]) == (18, 8)
+    # The shifts that it rests on are judged ones.
+    judged = (shift != 2) & (shift != 3)
+    assert _service(told_fall(over, judged, shifts=2), 4.0, shift, baseline) == (19, 4)
+    assert _service(told_fall(over, np.zeros(24, dtype=bool)), 4.0, shift, baseline) is None
 
 
 def test_friction_that_fell_before_does_not_hide_wear_that_begins_from_there():

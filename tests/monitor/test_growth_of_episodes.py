@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from jointwear.monitor.findings.findings import _returned, _shared
+from jointwear.monitor.events import Event
+from jointwear.monitor.findings.findings import _returned, _services, _shared
 from jointwear.monitor.watching.limits import COULOMB as COULOMB_FRICTION
 from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.limits import Limits
@@ -92,6 +94,35 @@ def test_an_axis_that_came_back_and_has_grown_again_is_told_as_that(later, words
     (found,) = _returned(statistics, shift, level, np.ones((len(shift), 1), dtype=bool))
     assert words in found["words"]
     assert found["time"] == 8 * 3600.0
+
+
+def test_an_axis_that_fell_since_its_alarm_is_as_what_it_was_learnt_anew_from():
+    """One greasing was three entries: an alarm, a fall two days later, and a return to normal five days after that."""
+    means = np.array([0.3, 0.3, 0.3, 0.0, 0.0])
+    level = watched(np.repeat(means, 4).reshape(-1, 4))
+    shift, changed = np.repeat(np.arange(5), 4), np.ones((20, 1), dtype=bool)
+    statistics = SimpleNamespace(start=3600.0 * np.arange(20))
+    for starts, count in (([], 1), ([Start(12, True)], 0), ([Start(12, False)], 1)):
+        level.starts = [starts]
+        assert len(_returned(statistics, shift, level, changed)) == count
+
+
+def test_falls_within_a_fortnight_are_one_question_and_after_a_service_none():
+    day = 86400.0
+    statistics = SimpleNamespace(start=day * np.arange(60), dated=False)
+    level = SimpleNamespace(starts=[[Start(k, True) for k in (20, 25, 50)]])
+    service = Event(19.5 * day, (0,), "service")
+    once, later = _services(statistics, level, set())
+    assert (once["time"], later["time"]) == (20 * day, 50 * day)
+    assert once["words"].startswith("Friction of axis 1 fell, and again 600 h: was it serviced")
+    assert ("fell" in once, "fell" in later) == (False, True)
+    told, later = _services(statistics, level, set(), [service])
+    assert told["answered"]
+    assert told["words"].startswith("Friction of axis 1 fell further after the service of 468 h, the last time 600 h")
+    assert "answered" not in later
+    # Somebody who looked at an alarm has worked no grease in, and a service of another axis none here.
+    for other in (replace(service, kind="acknowledged"), replace(service, axes=(1,))):
+        assert not any("answered" in found for found in _services(statistics, level, set(), [other]))
 
 
 def test_the_share_of_a_level_without_viscous_friction_is_not_known():

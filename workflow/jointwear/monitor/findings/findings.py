@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
+from jointwear.monitor.events import Event
 from jointwear.monitor.findings.loud import loud_findings
 from jointwear.monitor.findings.thermometers import broken, other_unit
 from jointwear.monitor.local_time import duration
@@ -27,6 +28,9 @@ from jointwear.publishing.report.numbers import fixed
 WITH_SCALE = 2
 #: Share of what an axis had grown by before it came back, above which it has grown again.
 AGAIN = 0.5
+#: Days [s] for which friction may go on falling after an axis was serviced, as new grease is worked in: by itself, and
+#: with no new question.
+WORKED_IN = 14 * 86400.0
 #: Kind of a finding on a fall that may be a service, on a program that the baseline lacks, and on most axes together.
 FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
 #: Kind of a finding on what all axes do together; without an `end` they still do.
@@ -51,6 +55,7 @@ def findings_of(
     shown: np.ndarray | None,
     program: np.ndarray | None = None,
     doubtful: np.ndarray | None = None,
+    events: Sequence[Event] = (),
 ) -> list[dict[str, Any]]:
     """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
 
@@ -59,16 +64,17 @@ def findings_of(
     steps : changed scales. exchanges : of robots or drives. changed : (w, n) bool, axes with an open alarm of friction.
     shown : (w,) programs that the motion shows, None where the log names them or there is one.
     program : (w,) of either, None for one. doubtful : as of :func:`.loud_findings`.
+    events : of the config.
     """
     explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
-    found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained)
+    found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained, events)
     found += [_exchanged(statistics, level, one) for one in exchanges]
     found += _at_once(statistics, shift, level, explained)
     found += _programs(statistics, shown, baseline, level)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
-    events = [[s.window for s in starts if not s.proposed] for starts in level.starts]
-    found += loud_findings(statistics, shift, baseline, events, program, doubtful)
+    told = [[s.window for s in starts if not s.proposed] for starts in level.starts]
+    found += loud_findings(statistics, shift, baseline, told, program, doubtful)
     return sorted(found, key=lambda f: f["time"])
 
 
@@ -94,17 +100,47 @@ def _scales(
     return result
 
 
-def _services(statistics: WindowStatistics, level: Watch, explained: set[tuple[int, int]]) -> list[dict[str, Any]]:
+def _services(
+    statistics: WindowStatistics, level: Watch, explained: set[tuple[int, int]], events: Sequence[Event] = ()
+) -> list[dict[str, Any]]:
+    """One finding for the falls of an axis within :data:`WORKED_IN`; those so soon after a service that was entered
+    are answered by it."""
     result = []
     for j, starts in enumerate(level.starts):
-        for start in starts:
-            if start.proposed and (j, start.window) not in explained:
-                time = float(statistics.start[start.window])
-                words = fell_words([j + 1])
-                # Any later event of the axis closes what was before it.
-                told = any(not later.proposed and later.window >= start.window for later in starts)
-                answered = {"answered": True} if told else {}
-                result.append({"time": time, "axes": [j + 1], "kind": FELL, "words": words, "fell": True, **answered})
+        services = [e.time for e in events if e.kind == "service" and e.concerns(j)]
+        fallen = [s.window for s in starts if s.proposed and (j, s.window) not in explained]
+        for since, windows in _falls(statistics.start, fallen, services):
+            # Any later event of the axis closes what was before it.
+            told = any(not later.proposed and later.window >= windows[-1] for later in starts)
+            last = moment_words(statistics, statistics.start[windows[-1]]) if len(windows) > 1 else ""
+            found = {"time": float(statistics.start[windows[0]]), "axes": [j + 1], "kind": FELL}
+            if since is not None:
+                words, more = worked_in_words(j + 1, moment_words(statistics, since), last), {"answered": True}
+            else:
+                # Axes that fell once, at one time, are told together.
+                words, more = fell_words([j + 1], last), {} if last else {"fell": True}
+            result.append({**found, "words": words, **more, **({"answered": True} if told else {})})
+    return result
+
+
+def _falls(
+    begin: np.ndarray, windows: Sequence[int], services: Sequence[float]
+) -> list[tuple[float | None, list[int]]]:
+    """Return the windows of falls that belong together, with the time [s] of the service shortly before, None for none.
+
+    Parameters
+    ----------
+    begin : (w,) of the windows [s]. windows : from which the axis is learnt anew by falls, in order of time. services :
+    times [s] that were entered.
+    """
+    result: list[tuple[float | None, list[int]]] = []
+    for window in windows:
+        time = float(begin[window])
+        since = max((s for s in services if 0 <= time - s <= WORKED_IN), default=None)
+        if result and result[-1][0] == since and time - begin[result[-1][1][0]] <= WORKED_IN:
+            result[-1][1].append(window)
+        else:
+            result.append((since, [window]))
     return result
 
 
@@ -165,12 +201,22 @@ def _of_many(statistics: WindowStatistics, level: Watch, window: int, axes: list
     return {"time": float(statistics.start[window]), "axes": axes, "kind": AT_ONCE, "words": words, **known}
 
 
-def fell_words(axes: Sequence[int]) -> str:
-    """Return in words that the friction of 1-based axes fell."""
+def fell_words(axes: Sequence[int], last: str = "") -> str:
+    """Return in words that the friction of 1-based axes fell, `last` when it did so again."""
     was, it, learnt = ("was", "it", "It is") if len(axes) == 1 else ("were", "they", "They are")
+    since, there = (f", and again {last}", "then") if last else ("", "there")
     return (
-        f"Friction of {name_axes(axes)} fell: {was} {it} serviced or greased? {learnt} learnt anew from there; enter "
-        "the service under 'events' to confirm it, or look for another cause."
+        f"Friction of {name_axes(axes)} fell{since}: {was} {it} serviced or greased? {learnt} learnt anew from "
+        f"{there}; enter the service under 'events' to confirm it, or look for another cause."
+    )
+
+
+def worked_in_words(axis: int, since: str, last: str = "") -> str:
+    """Return in words that friction of a 1-based axis fell after the service of `since`; `last` when it did again."""
+    again = f", the last time {last}" if last else ""
+    return (
+        f"Friction of axis {axis} fell further after the service of {since}{again}, as where new grease is worked in. "
+        "It is learnt anew from there; enter under 'events' only what else was done."
     )
 
 
@@ -209,10 +255,14 @@ def _programs(
 def _returned(
     statistics: WindowStatistics, shift: np.ndarray, level: Watch, changed: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Axes with an open alarm of which two shifts in a row were as in the normal period again."""
+    """Axes with an open alarm of which two shifts in a row were as in the normal period again; not once a fall since
+    the alarm has made them learnt anew, which is told as that and makes what comes after it normal."""
     result = []
     for j in range(changed.shape[1]):
         rows = np.flatnonzero(changed[:, j] & np.isfinite(level.residual[:, j]))
+        since = rows[0] if len(rows) else 0
+        fell = min((s.window for s in level.starts[j] if s.proposed and s.window > since), default=changed.shape[0])
+        rows = rows[rows < fell]
         names = np.unique(shift[rows])
         means = [float(np.mean(level.residual[rows[shift[rows] == s], j])) for s in names]
         for k in range(1, len(names)):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.events import Event
 from jointwear.monitor.findings.findings import findings_of
 from jointwear.monitor.findings.greasing import greasing_findings
 from jointwear.monitor.findings.odd_motion import odd_motion_findings
@@ -156,7 +157,7 @@ def judge(
         ),
         reason=teller.reasons(),
         findings=[
-            *_findings(statistics, seen, friction, viscous, teller, limit, logs),
+            *_findings(statistics, seen, friction, viscous, teller, limit, settings.events, logs),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
             *grown_before_findings(statistics, level),
             *standstill_findings(statistics, still, limited_by),
@@ -195,6 +196,7 @@ def _findings(
     viscous: Watch,
     teller: Teller,
     limit: float,
+    events: Sequence[Event],
     logs: LogsOfWindows | None,
 ) -> list[dict[str, Any]]:
     """Return what is no alarm but must be told; `limit` of growth, as a share."""
@@ -205,7 +207,9 @@ def _findings(
     program, doubtful = seen.regime, None if logs is None else logs.doubtful
     zero = changed_zero(statistics, program, shift, first, seen.events, doubtful)
     return [
-        *findings_of(statistics, shift, first, level, *changes, teller.status == CHANGED, shown, program, doubtful),
+        *findings_of(
+            statistics, shift, first, level, *changes, teller.status == CHANGED, shown, program, doubtful, events
+        ),
         *greasing_findings(statistics, shift, first, level, viscous, _of_viscous(seen)),
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),

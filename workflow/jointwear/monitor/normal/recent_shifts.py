@@ -59,7 +59,7 @@ class RecentShifts:
 
     Attributes
     ----------
-    judged : (w,) bool. count : (w,) windows of the running shift that are judged so far.
+    judged : (w,) bool. count : windows of the shift that are judged, of the running one so far.
     known : bool, whether there is such a shift; those that show nothing are passed over.
     residual : mean of the shift less the normal state that holds at the window. variance : its own; infinite where
     nothing is known. noise : the part of it that comes of the noise of windows. carried : standard deviation of the
@@ -125,7 +125,7 @@ def recent_shifts(windows: AxisWindows, normal: Sequence[Posterior], memory: flo
     known, index = order >= 0, np.maximum(order, 0)
     return RecentShifts(
         judged=good,
-        count=count,
+        count=np.where(known, count[index], 0.0),
         known=known,
         residual=mean[index] - np.einsum("wkp,wp->wk", at[index], means[windows.which]),
         variance=np.where(known, own[index] + windows.between[:, None] ** 2, np.inf),

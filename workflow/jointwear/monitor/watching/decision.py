@@ -15,8 +15,9 @@ shift counts by how far off the other axes are in it (:mod:`.shift_scale`). An a
 
 Growth that asks nobody to act yet (:data:`LEAST` of the limit) has to be clearer: its z counts by :data:`DOUBT` less.
 
-A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts. The threshold
-is that of :mod:`.null_runs`.
+A fall is the same with the sign turned; as nothing wears that falls, it waits for :data:`FALLEN` shifts, the newest of
+them with as many windows as a large step takes, or as the shift before had. The threshold is that of
+:mod:`.null_runs`.
 """
 
 from __future__ import annotations
@@ -124,10 +125,11 @@ def _admitted(recent: RecentShifts, mean: np.ndarray, calm: np.ndarray) -> tuple
     up = np.repeat(_both_up(recent)[:, None], SHIFTS, axis=1)
     # Growth lasts too: its newest shift lies nearer to it than to what is normal.
     up &= 2 * recent.residual[:, :1] >= mean
-    up[:, 0] = (recent.count >= STEP_WINDOWS) & calm & (mean[:, 0] > STEP)
+    up[:, 0] = (recent.count[:, 0] >= STEP_WINDOWS) & calm & (mean[:, 0] > STEP)
     low = recent.residual[:, :FALLEN]
     lie_below = (recent.known[:, :FALLEN] & recent.usual[:, :FALLEN] & (low < -TOLERATED)).all(axis=1)
-    # A fall lasts: each of its shifts lies nearer to it than to what is normal.
+    # A fall lasts: each of its shifts lies nearer to it than to what is normal, the newest by more than a few windows.
+    lie_below &= recent.count[:, 0] >= np.minimum(STEP_WINDOWS, recent.count[:, 1])
     down = lie_below[:, None] & (2 * low[:, None, :] < mean[:, :, None]).all(axis=2)
     down[:, 0] = False
     return up, down

@@ -287,12 +287,17 @@ def _beside(
 
 
 def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.ndarray) -> tuple[int, int] | None:
-    """Return the first window after the baseline whose fall exceeds `least`, and the one at which it begins."""
-    after = after_baseline(baseline)
-    hits = np.flatnonzero((evidence.fall > least) & after)
+    """Return the first window after the baseline whose fall exceeds `least`, and the one at which it begins.
+
+    Nobody has to hurry for a fall: a shift tells of it by all its windows, of the running one those so far.
+    """
+    after, judged = after_baseline(baseline), np.isfinite(evidence.std)
+    rows = np.flatnonzero(judged)
+    ends = rows[np.append(np.diff(shift[rows]) != 0, True)] if len(rows) else rows
+    hits = ends[(evidence.fall > least)[ends] & after[ends]]
     if not len(hits):
         return None
-    begin = _begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift)
+    begin = _begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift, judged)
     return int(hits[0]), max(begin, int(np.argmax(after)))
 
 
@@ -398,8 +403,8 @@ def _thresholds(null: Axis, rate: float, recall: Recall) -> list[float]:
     return recall(key_of("thresholds", null, rate), lambda: [list(null_thresholds(null, rate))])[0]
 
 
-def _begin_of_change(window: int, shifts: int, shift: np.ndarray) -> int:
-    """Return the first window of the shifts that the evidence at `window` rests on."""
-    names = np.unique(shift)
+def _begin_of_change(window: int, shifts: int, shift: np.ndarray, judged: np.ndarray) -> int:
+    """Return the first window of the shifts that the evidence at `window` rests on, of those that are `judged` (w,)."""
+    names = np.unique(shift[judged])
     place = int(np.searchsorted(names, shift[window]))
     return int(np.argmax(shift == names[max(place - max(shifts, 1) + 1, 0)]))
