@@ -259,6 +259,29 @@ def test_growth_over_the_limit_without_an_alarm_is_not_called_healthy(monitored)
     assert axis_summary(with_estimates(calm, coulomb_percent=25.0), 0)["remark"].startswith("Coulomb friction +25.0")
 
 
+def test_coulomb_friction_that_has_clearly_grown_without_an_alarm_is_not_told_as_no_change(monitored):
+    """A worn axis at half of its limit was told as "No change" with +9.3 % in its table, at an error of 2.9 %."""
+    folder, _, _ = monitored
+    state = replace(read_state(folder / "state.nc"), alarms=[])
+    calm = replace(state, status=np.full_like(state.status, HEALTHY))
+    calm = with_estimates(calm, coulomb_percent=0.0, viscous_percent=-12.0)
+    calm.estimates["coulomb_percent"][0][:, 0] = 9.3
+    for std, label in ((2.9, "higher, no alarm"), (3.5, HEALTHY)):
+        seen = replace(calm, now_error={"coulomb_percent": np.full(calm.axes, std)})
+        summaries = [axis_summary(seen, j) for j in range(calm.axes)]
+        assert [s["label"] for s in summaries] == [label, *[HEALTHY] * (calm.axes - 1)]
+        assert (summaries[0]["badge"] == "agrees") is (label == HEALTHY)
+        heading, sentences = headline(summaries)
+        if label == HEALTHY:
+            assert heading == "No change of friction found"
+            continue
+        assert heading == "Friction is higher, without an alarm: axis 1"
+        assert "No change: axes 2, 3, 4, 5 and 6." in sentences
+        assert summaries[0]["remark"].replace("\u00a0", " ").startswith("Coulomb friction +9.3 % now, with a standard")
+        # It asks for nothing.
+        assert standing(seen)["axes"][0]["over"] == ""
+
+
 def test_an_axis_that_is_no_longer_judged_is_not_told_as_unchanged(monitored):
     folder, _, _ = monitored
     state = replace(read_state(folder / "state.nc"), alarms=[])

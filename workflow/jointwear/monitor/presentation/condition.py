@@ -54,6 +54,8 @@ SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 EVEN_ODDS = 0.5
 #: Standard deviations of a growth that is more than chance.
 CLEAR = 2.0
+#: Share of the limit, and standard deviations, from which on growth of Coulomb friction is told without an alarm.
+RISING, SURELY = 0.4, 3.0
 #: Share of the limit by which Coulomb friction is clearly below normal, as no wear makes it.
 BELOW = 0.25
 #: Growth of viscous friction [%] above which no value is told: there was too little of it before to measure it by.
@@ -224,6 +226,14 @@ class AxisCondition:
             return ""
         kinds = ((VISCOUS, self.viscous, self.viscous_std), (COULOMB, self.growth, self.growth_std))
         return next((kind for kind, grown, std in kinds if grown >= max(self.limit, CLEAR * std)), "")
+
+    @property
+    def rising(self) -> bool:
+        """Whether Coulomb friction of an axis without an alarm has clearly grown by a good part of the limit. Alarms
+        wait for more, as they have to be right for every axis at every hour; viscous friction may, as grease and the
+        cold raise it."""
+        grown = self.growth >= max(RISING * self.limit, SURELY * self.growth_std)
+        return self.level == HEALTHY and not self.over and bool(grown)
 
 
 def axis_conditions(state: RobotState) -> list[AxisCondition]:

@@ -27,7 +27,15 @@ from jointwear.monitor.presentation.condition import (
     latest,
 )
 from jointwear.monitor.presentation.standing import axis_row
-from jointwear.monitor.presentation.words import BADGES, OVER, change_words, over_words, until_words
+from jointwear.monitor.presentation.words import (
+    BADGES,
+    HIGHER,
+    OVER,
+    change_words,
+    over_words,
+    rising_words,
+    until_words,
+)
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.present import now_windows
 from jointwear.monitor.watching.records import Reason
@@ -83,14 +91,15 @@ def axis_summary(
     if len(after) and coarse is not None:
         remark = "; ".join(filter(None, (coarse_words(coarse), remark)))
     # The heading refers to it, whatever else is to be said of the axis.
-    remark = "; ".join(filter(None, (remark, over_words(condition))))
+    remark = "; ".join(filter(None, (remark, over_words(condition) or rising_words(condition))))
+    above = OVER if condition.over else HIGHER if condition.rising else ""
     return {
         "axis": j + 1,
         "joint": state.joints[j],
         "status": condition.level,
         "quantity": _quantity(condition),
-        "label": OVER if condition.over else REACHED if condition.reached else condition.level,
-        "badge": "close" if condition.over else BADGES[condition.level],
+        "label": above or (REACHED if condition.reached else condition.level),
+        "badge": "close" if above else BADGES[condition.level],
         "remark": remark,
         "estimates": [_latest(state, name, j, bool(before)) for name in shown_estimates(state)],
         "unknown": [] if before else _unknown(state, j),
@@ -206,8 +215,8 @@ def headline(
         return name_axes([s["axis"] for s in summaries if s["status"] == status])
 
     changed, unresolved, unjudged = map(named, (CHANGED, UNRESOLVED, UNJUDGED))
-    over = name_axes([s["axis"] for s in summaries if s["label"] == OVER])
-    sound = [s for s in summaries if s["status"] == HEALTHY and s["label"] != OVER]
+    over, higher = (name_axes([s["axis"] for s in summaries if s["label"] == label]) for label in (OVER, HIGHER))
+    sound = [s for s in summaries if s["status"] == HEALTHY and s["label"] not in (OVER, HIGHER)]
     healthy = name_axes([s["axis"] for s in sound])
     judged, late = (name_axes([s["axis"] for s in sound if s["late"] == wanted]) for wanted in (False, True))
     coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
@@ -226,6 +235,8 @@ def headline(
         heading = "The newest logs are refused"
     elif over:
         heading = f"Over the limit without an alarm: {over}"
+    elif higher:
+        heading = f"Friction is higher, without an alarm: {higher}"
     elif healthy:
         heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
     else:
@@ -244,6 +255,8 @@ def headline(
         )
     if over:
         sentences.append(f"Over the limit without an alarm: {over}; what to check stands below the table.")
+    if higher:
+        sentences.append(f"Higher without an alarm: {higher}; by how much stands below the table.")
     if judged:
         sentences.append(f"No change{' until then' if refused else ''}: {judged}.")
     if late:

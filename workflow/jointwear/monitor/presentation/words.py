@@ -24,6 +24,8 @@ from jointwear.publishing.report.numbers import fixed, number
 
 #: What is said in place of the level of an axis without an alarm whose friction is over the limit all the same.
 OVER = "over the limit, no alarm"
+#: What is said in place of the level of one whose friction has clearly grown by a good part of the limit.
+HIGHER = "higher, no alarm"
 BADGES = {HEALTHY: "agrees", CHANGED: "differs", UNRESOLVED: "close", UNJUDGED: "other"}
 #: A space at which no line ends.
 NO_BREAK = "\u00a0"
@@ -69,6 +71,18 @@ def over_words(condition: AxisCondition) -> str:
     limit = f"over the limit of {number(condition.limit, 2)} % without an alarm"
     told = f"{kind} {fixed(grown[kind], 1, True)} % now{beside}, {limit}; {why}{advice(kind, None)}."
     return told.replace("coulomb", "Coulomb").replace(" %", f"{NO_BREAK}%")
+
+
+def rising_words(condition: AxisCondition) -> str:
+    """Return what is said of an axis whose friction has clearly grown though nothing has alarmed, empty elsewhere."""
+    if not condition.rising:
+        return ""
+    told = (
+        f"Coulomb friction {fixed(condition.growth, 1, True)} % now, with a standard error of "
+        f"{fixed(condition.growth_std, 1)} %, of the limit of {number(condition.limit, 2)} %: too little for an alarm "
+        "so far, too much to be called no change; keep an eye on it."
+    )
+    return told.replace(" %", f"{NO_BREAK}%")
 
 
 def sure_words(probability: float | None) -> str:
