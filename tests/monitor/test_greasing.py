@@ -128,6 +128,11 @@ def test_both_kinds_that_rose_by_one_share_at_once_are_told_from_wear_of_both():
     assert not rose_alike(end, step + 0.3 * noise[0], 2 * step + noise[1], 7 * day)
     assert not rose_alike(end, ramp + 0.3 * noise[0], ramp + noise[1], 9 * day)
     assert not rose_alike(end, step + 0.3 * noise[0], np.full(36, np.nan), 7 * day)
+    # What rose over a weekend may have worn, and what went on rising has.
+    weekend = end + 2 * day * (end > 6 * day)
+    assert not rose_alike(weekend, step + 0.3 * noise[0], step + noise[1], 9 * day)
+    later = step + np.repeat(since(8, 8.0), 3)
+    assert not rose_alike(end, later + 0.3 * noise[0], later + noise[1], 7 * day)
     # Of one day alone nothing is said to have kept.
     assert not rose_alike(end[:21], step[:21], step[:21], 7 * day)
 

@@ -46,7 +46,8 @@ def rose_overnight(end: np.ndarray, growth: np.ndarray, alarm: float, coulomb: n
 
 def rose_alike(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:
     """Return whether Coulomb and viscous friction rose by the same share at once before an alarm, and have kept: both
-    clearly, by the scatter of their days, Coulomb friction by more than half of the step on every day since.
+    clearly, by the scatter of their days, Coulomb friction from one day to the next, by more than half of the step on
+    every day since and on the first ones by as much as later.
 
     Parameters
     ----------
@@ -59,9 +60,11 @@ def rose_alike(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm:
     for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST + 1)):
         step = float(np.mean(own[k:]) - np.mean(own[:k]))
         along = float(np.mean(other[k:]) - np.mean(other[:k]))
-        at_once = own[:k].max() < LEFT * step < own[k:].min()
+        # Over days without a log what wears rises as well, and it goes on.
+        at_once = names[k] - names[k - 1] <= 1 and own[:k].max() < LEFT * step < own[k:].min()
+        at_once = at_once and np.mean(own[k : k + FEWEST]) > (1 - KEPT) * np.mean(own[k:])
         if at_once and abs(along - step) < ALIKE * step and all(_fell(x[k:], x[:k]) for x in (own, other)):
-            # What wears goes on: the later half of the days since is as the earlier one, by what they scatter.
+            # The later half of the days since is as the earlier one, by what they scatter.
             half = (len(own) - k) // 2
             if not (_fell(own[k + half :], own[k : k + half]) or np.ptp(own[k:]) > step):
                 return True
