@@ -308,7 +308,7 @@ def _of_coulomb(
     first = min((e.first for e in episodes if e.quantity == COULOMB), default=None)
     if first is None or not {"coulomb_percent", "viscous_percent"} <= set(state.estimates):
         return False
-    after = slice(state.baseline, None)
+    after = state.after
     kinds = (state.estimates[name][0][after, j] for name in ("coulomb_percent", "viscous_percent"))
     return told(state.end[after], *kinds, first)
 
