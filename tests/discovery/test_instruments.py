@@ -29,7 +29,7 @@ from jointwear.discovery.problem.instruments import (
 )
 from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
-from jointwear.discovery.problem.whitening import whiten
+from jointwear.discovery.problem.whitening import _base_columns, whiten
 from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.discovery.settings import Settings
 from jointwear.effects import make_state
@@ -108,6 +108,23 @@ def test_ends_of_records_that_are_not_judged_are_not_carried_to_samples_that_are
         band_limited(replace(state, acceleration=wild), axis, 3.0, RATE, ends).acceleration, calm
     )
     assert np.abs(band_limited(replace(state, acceleration=wild), axis, 3.0, RATE).acceleration - calm).max() > 10.0
+
+
+def test_columns_of_drives_and_links_hold_nothing_of_ends_either(white):
+    """An inertia that is fitted too small for them lets a torque constant take over what is missing."""
+    problem, axis, ends = white.problem, 1, white.problem.measured.vague_ends
+    record = np.asarray(problem.train_state.record)
+    edges = np.flatnonzero(np.diff(record)) + 1
+    cutoffs, beside = replace(white.cutoffs[axis], torque=3.0), np.zeros(len(record), dtype=bool)
+    for first, last in pairwise([0, *edges, len(record)]):
+        beside[first : first + ends] = beside[last - ends : last] = True
+    acceleration, inertial = problem.state.acceleration.copy(), problem.inertial.copy()
+    at_ends = np.flatnonzero(problem.train)[beside]
+    acceleration[at_ends], inertial[at_ends] = 100.0, 100.0 * (inertial[at_ends] != 0)
+    wild = replace(problem, state=replace(problem.state, acceleration=acceleration), inertial=inertial)
+    for calm, other in zip(_base_columns(problem, axis, cutoffs), _base_columns(wild, axis, cutoffs), strict=True):
+        assert calm.any()
+        np.testing.assert_array_equal(other, calm)
 
 
 def test_the_clock_is_known_to_a_share_of_the_period_that_was_logged(white):

@@ -280,8 +280,9 @@ def limited_inertial(problem: Problem, axis: int, cutoff: float) -> np.ndarray:
     """
     columns, felt = problem.inertial[:, axis][problem.train], problem.felt[axis]
     if np.isfinite(cutoff):
-        record, rate = np.asarray(problem.train_state.record), problem.measured.rate
-        columns[:, felt] = limit(columns[:, felt], record, cutoff, rate)
+        record, measured = np.asarray(problem.train_state.record), problem.measured
+        held = held_at_ends(columns[:, felt], record, measured.vague_ends)
+        columns[:, felt] = limit(held, record, cutoff, measured.rate)
     return columns
 
 

@@ -304,7 +304,10 @@ def _base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.nda
 
 
 def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndarray:
-    return limit(columns, np.asarray(problem.train_state.record), cutoffs.torque, problem.measured.rate)
+    if not np.isfinite(cutoffs.torque):
+        return columns
+    record, measured = np.asarray(problem.train_state.record), problem.measured
+    return limit(held_at_ends(columns, record, measured.vague_ends), record, cutoffs.torque, measured.rate)
 
 
 def _raw(problem: Problem, axis: int, cutoffs: Cutoffs, white: Whitener, columns: np.ndarray) -> np.ndarray:
