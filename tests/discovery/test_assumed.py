@@ -25,6 +25,7 @@ OTHERS = {
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
         building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
+        building_up.PARTS
         instruments.LOWER curvature.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
     "what a filter does": """

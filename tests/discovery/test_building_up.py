@@ -6,6 +6,7 @@ from discovery_cases import COARSE_RATE as RATE
 from discovery_cases import make_case
 
 from jointwear.discovery.pipeline import discover
+from jointwear.discovery.problem import building_up
 from jointwear.discovery.problem.building_up import FORMS, built_up_anywhere, built_up_friction
 from jointwear.discovery.settings import Settings
 from jointwear.robots.robot import load_robot
@@ -170,6 +171,34 @@ def test_a_spring_that_a_file_lacks_is_no_friction_that_builds_up(stiffness, rou
     usable, inertial = np.abs(v) > 0.005, rng.standard_normal((*v.shape, 3))
     looked_at = (v, a, missing, inertial, level, *LIMITS)
     assert built_up_friction(usable, *looked_at)[0] is not None
-    own, other = built_up_anywhere(usable, q, *looked_at)
+    own, other = built_up_anywhere(usable, np.zeros(len(q)), q, *looked_at)
     assert (own is not None) is rounds
     assert other is None
+
+
+@pytest.mark.parametrize("lasts", [True, False])
+def test_friction_builds_up_beside_another_level_in_each_record_too(monkeypatch, lasts):
+    """Friction that rose by a third after two of four recordings was told as an arctan over 0.02 rad/s."""
+    parts = samples(lambda v, _: level_of(v) * np.tanh(np.abs(v) / 0.05))
+    usable, velocity, inertial = parts[0], parts[1], parts[4]
+    record = np.repeat(np.arange(20) // 2, len(velocity) // 20)
+    asked = built_up_friction
+
+    def by_record(usable, velocity, acceleration, missing, beside, *others):
+        found = asked(usable, velocity, acceleration, missing, beside, *others)
+        levels = beside.shape[-1] == inertial.shape[-1] + building_up.PARTS - 1
+        return [None] * len(found) if levels and not lasts else found
+
+    monkeypatch.setattr(building_up, "built_up_friction", by_record)
+    own, other = built_up_anywhere(usable, record, np.cumsum(velocity, axis=0) / RATE, *parts[1:], *LIMITS)
+    assert (own is not None) is lasts
+    assert other is None
+
+
+def test_each_record_but_the_first_may_have_another_level():
+    velocity = np.array([[1.0], [-1.0], [2.0], [-0.5], [0.3], [0.1]])
+    usable, record = np.ones(velocity.shape, dtype=bool), np.array([7, 7, 3, 3, 5, 5])
+    usable[4:] = False
+    columns = building_up._of_records(usable, record, velocity)
+    np.testing.assert_array_equal(columns[:, 0], np.array([[0, 0, 1, -1, 0, 0]]).T)
+    assert building_up._of_records(usable, np.zeros(6), velocity).shape == (6, 1, 0)

@@ -38,6 +38,8 @@ LEFT = 0.1
 QUIET = 0.5
 #: Knots over the position of an axis.
 KNOTS = 8
+#: Parts of the records, at most, whose friction may have another level.
+PARTS = 8
 #: Share to which a speed is searched.
 CLOSE = 0.01
 #: Part of the longest direction of the other columns below which one says nothing of its own.
@@ -130,6 +132,7 @@ def built_up_friction(
 
 def built_up_anywhere(
     usable: np.ndarray,
+    record: np.ndarray,
     position: np.ndarray,
     velocity: np.ndarray,
     acceleration: np.ndarray,
@@ -139,13 +142,16 @@ def built_up_anywhere(
     least: float,
     form_error: float,
 ) -> list[BuiltUp | None]:
-    """Return what :func:`built_up_friction` does, of axes that show it beside any torque over their position too.
+    """Return what :func:`built_up_friction` does, of axes that show it beside any torque over their position too, and
+    beside friction of another level in each record.
 
-    A spring that a file lacks, beside moves that are slow in few places, looks like friction that builds up.
+    A spring that a file lacks, beside moves that are slow in few places, looks like friction that builds up. So does
+    friction that differs from record to record, of which one is slower than another.
 
     Parameters
     ----------
-    position : (N, n) [rad]. The others are those of :func:`built_up_friction`.
+    record : (N,) label of the record of each sample. position : (N, n) [rad]. The others are those of
+        :func:`built_up_friction`.
     """
 
     def found(beside: np.ndarray) -> list[BuiltUp | None]:
@@ -154,8 +160,23 @@ def built_up_anywhere(
     alone = found(inertial)
     if not any(alone):
         return alone
+    levels = _of_records(usable, record, velocity)
+    if levels.shape[-1]:
+        by_record = found(np.concatenate([inertial, levels], axis=-1))
+        alone = [a if b is not None else None for a, b in zip(alone, by_record, strict=True)]
     beside = found(np.concatenate([inertial, _over_position(usable, position)], axis=-1))
     return [b if a is not None else None for a, b in zip(alone, beside, strict=True)]
+
+
+def _of_records(usable: np.ndarray, record: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Return columns (N, n, k) of by how much friction of each axis differs in all records but the first with samples
+    that are `usable` (N, n); of many records, of :data:`PARTS` of them that follow each other."""
+    labels, first = np.unique(record[usable.any(axis=1)], return_index=True)
+    parts = np.array_split(labels[np.argsort(first)], min(len(labels), PARTS))
+    columns = np.zeros((*velocity.shape, max(len(parts) - 1, 0)))
+    for k, part in enumerate(parts[1:]):
+        columns[..., k] = np.sign(velocity) * np.isin(record, part)[:, None]
+    return columns
 
 
 def _over_position(usable: np.ndarray, position: np.ndarray) -> np.ndarray:

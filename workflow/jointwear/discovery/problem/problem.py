@@ -448,7 +448,16 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
     measured = replace(measured, usable=measured.usable & ~stuck)
     judged = measured.usable & train[:, None]
     built_up = built_up_anywhere(
-        judged, q, v, a, missing, inertial, robot.coulomb(v), settings.accept, settings.form_error
+        judged,
+        measured.trajectory,
+        q,
+        v,
+        a,
+        missing,
+        inertial,
+        robot.coulomb(v),
+        settings.accept,
+        settings.form_error,
     )
     measured = with_whole_friction(measured, built_up, settings.usual)
     counts = np.sum(measured.usable[train], axis=0)
