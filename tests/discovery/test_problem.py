@@ -9,7 +9,7 @@ import pytest
 from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term
-from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, term_of
+from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, raw_columns, term_of
 from jointwear.discovery.problem.problem import FRICTION, FoundMotors, Problem
 from jointwear.discovery.search import acceptance
 from jointwear.effects import get_effect
@@ -58,6 +58,24 @@ def test_a_gate_of_what_follows_time_asks_whether_levels_do_better(white, monkey
     trial = Named(candidate, term_of(white, candidate), None, 99.0)
     reached = [r.reached for r in acceptance.refusals(white, [], trial) if "a level of its own" in r.gate]
     assert reached == ([-lead] if lead > 0 else [])
+
+
+@pytest.mark.parametrize("grows", [True, False])
+def test_a_change_between_two_records_is_no_growth(white, grows):
+    state = white.problem.train_state
+    time, record = state.time - state.time[0], np.asarray(state.record)
+    span, half = np.ptp(time), 0.5 * white.problem.settings.accept
+    last = record == record[-1]
+    # As late and as sudden as the step: free parameters would find it.
+    rate = 1.0 / time[last][0]
+    late = {"start": float(state.time[0]), "rate": 0.7 / span if grows else rate, "exponent": 1.0 if grows else 6.0}
+    candidate = Candidate("wear_drift", AXIS, None, late)
+    course = raw_columns(white, candidate)[:, 0] if grows else 0.2 * last * state.direction[:, AXIS]
+    lacking = replace(white, targets=[y.copy() for y in white.targets])
+    lacking.targets[AXIS][:] += white.columns(AXIS, 40.0 * course[:, None])[:, 0]
+    trial = Named(candidate, term_of(lacking, candidate), None, 99.0)
+    reached = [r.reached for r in acceptance.refusals(lacking, [], trial) if "one step between two records" in r.gate]
+    assert reached == [] if grows else reached[0] < half
 
 
 def test_a_link_mass_is_off_by_so_many_standard_deviations_of_its_prior(white):

@@ -169,6 +169,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         if follows_time(trial.candidate):
             gates.append(("nats gained on the last record left out", found.last, -half))
             gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
+            lead = _step_between_lead(white, beside, trial)
+            gates.append(("nats by which it does better than one step between two records", -lead, half))
             lead = _levels_lead(white, beside, trial)
             gates.append(("nats by which a level of its own in each record does better", -lead, -half))
         # Twice as large as what it has to explain: by the triangle inequality more is left with it than without.
@@ -298,25 +300,44 @@ def _nats_of_friction(beside: Fit, trial: Named, rubs: int) -> float:
 
 def _step_lead(white: White, beside: Fit, trial: Named) -> float:
     """Return the nats by which a step within one record does better than an effect that follows time."""
-    problem, candidate = white.problem, trial.candidate
-    effect, state = get_effect(candidate.effect), problem.train_state
-    if effect.shape is None:
-        return -np.inf
-    carrier, time = effect.shape(state, candidate.axis, candidate.nonlinear)
-    label = np.asarray(state.record)
+    time, label = white.problem.train_state.time, np.asarray(white.problem.train_state.record)
     steps = []
     for one in np.unique(label):
         inside = time[label == one]
         steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, assumed.BLOCK))
-    if not steps:
+    return _best_step(white, beside, trial, time[:, None] > np.array(steps))
+
+
+def _step_between_lead(white: White, beside: Fit, trial: Named) -> float:
+    """Return the nats by which a step between two records does better than an effect that follows time.
+
+    What changed between two records and in none of them is not growth that was seen: a joint that was mounted anew, or
+    other oil, is followed by a growth whose rate and exponent are free.
+    """
+    label = np.asarray(white.problem.train_state.record)
+    begins = np.flatnonzero(np.diff(label)) + 1
+    return _best_step(white, beside, trial, np.arange(len(label))[:, None] >= begins)
+
+
+def _best_step(white: White, beside: Fit, trial: Named, after: np.ndarray) -> float:
+    """Return the nats by which the best of some steps does better than an effect that follows time.
+
+    Parameters
+    ----------
+    after : (N_train, k) samples after each of the steps, one of which is chosen.
+    """
+    problem, candidate = white.problem, trial.candidate
+    effect = get_effect(candidate.effect)
+    if effect.shape is None or not after.shape[1]:
         return -np.inf
-    columns = carrier[:, None] * (time[:, None] > np.array(steps))
+    carrier, _ = effect.shape(problem.train_state, candidate.axis, candidate.nonlinear)
+    columns = carrier[:, None] * after
     std = prior_std(white, candidate, columns)
     b, left = beside.gram_each({candidate.axis: white.columns(candidate.axis, columns)})
     scaled = 1.0 + std**2 * np.maximum(left, 0.0)
     gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
     b, gram = beside.gram(trial.term.blocks)
-    return float(np.max(gains) - np.log(len(steps)) - gain(b, gram, trial.term.std))
+    return float(np.max(gains) - np.log(after.shape[1]) - gain(b, gram, trial.term.std))
 
 
 def _levels_lead(white: White, beside: Fit, trial: Named) -> float:
