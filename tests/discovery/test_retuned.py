@@ -8,6 +8,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
+from jointwear.discovery.model import retuned
 from jointwear.discovery.model.link_masses import unlikely_masses
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.verdict import Retuned
@@ -81,7 +82,7 @@ def test_a_link_that_is_too_heavy_in_the_file_is_told_with_its_mass(robot):
     assert abs(one["value"] - true) < 2.5 * one["std"]
 
 
-def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_together_predict_better(robot):
+def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_together_predict_better(robot, monkeypatch):
     content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
     for joint in content["joints"]:
         joint["coulomb"] = {side: 0.98 * level for side, level in joint["coulomb"].items()}
@@ -92,6 +93,11 @@ def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_toge
     assert abs(one["value"] - one["nominal"] / 0.98) < 2.0 * one["std"]
     gap = found.data["gap"]
     assert min(a / g for a, g in zip(gap["augmented"], gap["nominal"], strict=True)) < 0.97
+    # Within its own error nothing is wrong, whatever predicts better.
+    told, asked = retuned._together(found.final), retuned._corrected
+    assert [one.parameter for one in told] == [one["parameter"]]
+    monkeypatch.setattr(retuned, "_corrected", lambda *place: (asked(*place)[0], 0.9, asked(*place)[2]))
+    assert retuned._together(found.final) == []
     # The robot as it is has nothing to be told, and its file stays.
     assert discover(make_case(robot, 5), robot).verdict == "none"
 

@@ -98,7 +98,8 @@ def _together(final: Final) -> list[Retuned]:
     """Return the drive parameter that is farthest off where none is beyond doubt, but all together predict better.
 
     A tolerance of each parameter says nothing of a robot of which several are wrong by as much. On the axis that gains
-    most the fit has to predict records left out better than the given robot by the margin of `not_worse`.
+    most the fit has to predict records left out better than the given robot by the margin of `not_worse`. Where the
+    farthest lies within its own standard deviation none of them is wrong.
     """
     outcome = final.outcome
     if final.fit is None or outcome.named or outcome.unexplained:
@@ -109,7 +110,7 @@ def _together(final: Final) -> list[Retuned]:
     places = [(a, k) for a, k in places if ratio[a] * outcome.problem.settings.not_worse < 1.0]
     told = [_corrected(final, *place) for place in places]
     best = max(told, key=lambda one: abs(one[1]), default=None)
-    return [best[0]] if best is not None and best[0].value != best[0].nominal else []
+    return [best[0]] if best is not None and abs(best[1]) > 1.0 and best[0].value != best[0].nominal else []
 
 
 def stands_in(retuned: list[Retuned], open_axes: Collection[int]) -> list[str]:
