@@ -24,7 +24,7 @@ OTHERS = {
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
-        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
+        bursts.LOUDEST building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
         building_up.PARTS
         instruments.LOWER curvature.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,
@@ -45,7 +45,7 @@ OTHERS = {
         noise.ORDER_BESIDE_GAPS noise.LEFT_BY_ORDER slow_noise.FEW_SAMPLES
         noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
         shared_drives.FEWEST shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST noise.FEWEST
-        noise.FEWEST_EACH residual_lines.FEWEST
+        noise.FEWEST_EACH residual_lines.FEWEST bursts.FEWEST
     """,
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL
@@ -58,7 +58,7 @@ OTHERS = {
     "half, which is most of something, or no price at all": """
         changing_size.CHANGING decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED
         final_model.ADDS_MORE shared_drives.UNEXPLAINED building_up.QUIET saturated.TWICE slow_noise.PRICE
-        instruments.FEIGNED
+        instruments.FEIGNED bursts.HIDES
     """,
     "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
     "which rivals are told as tied with a name, and asked where it is not likely": """

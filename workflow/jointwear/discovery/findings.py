@@ -14,6 +14,7 @@ from jointwear.discovery.model.link_masses import unlikely_masses
 from jointwear.discovery.model.noise_floor import floor_with_names
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.model.told_fallbacks import told_fallbacks
+from jointwear.discovery.noise.bursts import rings
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate
 from jointwear.discovery.problem.identifiability import Visible
 from jointwear.discovery.problem.problem import Problem
@@ -74,11 +75,12 @@ def make_verdict(
     else:
         word = "retuned" if retuned else NONE
     gap, unsure = _with_told_floor(measure_gap(problem, torques, floor_with_names(final)), problem.too_coarse)
-    untold = tuple(sorted({*(axis + 1 for axis in problem.too_coarse), *unsure}))
+    gap, in_bursts = _without_bursts(problem, torques["augmented"], gap, {u.axis for u in left})
+    untold = tuple(sorted({*(axis + 1 for axis in problem.too_coarse), *unsure, *in_bursts}))
     above = _above_the_noise(gap, problem.settings.near_the_floor)
     apart = _only_held_out(problem, above, gap) if word in (NONE, "retuned") else []
     open_still = _suspected(final, above) if not left else []
-    word = "unknown" if apart or open_still or problem.too_coarse else word
+    word = "unknown" if apart or open_still or in_bursts or problem.too_coarse else word
     written = [e.named.candidate for e in final.estimates]
     return Verdict(
         dataset=name,
@@ -107,16 +109,18 @@ def make_verdict(
         restrictions=(
             *restrictions,
             *_noise_too_high(gap, unsure),
+            *_noise_in_bursts(in_bursts),
             *_held_out_alone(apart, above),
             *_without_a_name(open_still, above),
             *_alike_in_time(final),
             *beyond_the_time(problem, written),
             *beyond_the_temperature(problem, written),
-            *stands_in(retuned, {u.axis for u in left}),
+            *stands_in(retuned, {*(u.axis for u in left), *(axis - 1 for axis in in_bursts)}),
             *unlikely_masses(retuned, problem.settings),
         ),
         above_the_noise=above,
         noise_untold=untold,
+        rings=tuple(in_bursts),
         builds_up=tuple(BuildsUp(a + 1, way.form, six_digits(way.speed)) for a, way in problem.building_up.items()),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
@@ -173,6 +177,38 @@ def _noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
             f"joint {axis}: noise was estimated as {noise:.2g} N m, while the augmented model leaves "
             f"{gap.augmented[axis - 1]:.2g} N m of the held-out motion: the estimate holds what the model lacked, or "
             "noise of the training trajectories alone, and what is smaller may be missed; log at a higher rate"
+        )
+
+
+def _without_bursts(
+    problem: Problem, model: np.ndarray, gap: Gap, explained: Collection[int]
+) -> tuple[Gap, dict[int, float]]:
+    """Return the gap with a floor that no joint rings above, and of which axes, from 1, the noise [N m] was ringing.
+
+    Parameters
+    ----------
+    model : (m, n) [N m] torque of the augmented model. explained : axes, from 0, of which it is said already that more
+        than noise is left.
+    """
+    measured, floor, ringing = problem.measured, list(gap.noise_floor), {}
+    for axis, noise in enumerate(gap.noise_floor):
+        if noise is None or axis in explained:
+            continue
+        torque, usable = measured.torque[:, axis], measured.usable[:, axis]
+        if rings(noise, torque - model[:, axis], torque, usable, measured.trajectory):
+            left = gap.augmented[axis]
+            floor[axis], ringing[axis + 1] = noise if left is None else min(noise, left), noise
+    return replace(gap, noise_floor=tuple(floor)), ringing
+
+
+def _noise_in_bursts(ringing: Mapping[int, float]) -> Iterable[str]:
+    """Yield in words of which axes what was taken for noise is ringing."""
+    for axis, noise in ringing.items():
+        yield (
+            f"joint {axis}: what looks like noise there, {noise:.2g} N m, hides the torque and comes in bursts, which "
+            "no sensor's noise does; lost motion in the gear (backlash) behind the encoder of the motor rings like "
+            "that, or a resonance that motion excites, or the torque signal is poor: what the model lacks there cannot "
+            "be told; compare motor and link with a second encoder, or look at the raw torque"
         )
 
 

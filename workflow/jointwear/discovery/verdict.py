@@ -254,7 +254,9 @@ class Verdict:
     above_the_noise : the axes on which it is not: a verdict is not complete there, structure told or not.
     misfits : optimisers that ended at their start or on a bound, in words; an entry is a reason for doubt.
     noise_untold : the axes of which the noise floor is not known: too few samples lie between reversals (the floor is
-        None, and nothing is named), or its estimate holds what the model lacked (the floor is the held-out error).
+        None, and nothing is named), or its estimate holds what the model lacked or comes in bursts that hide the
+        torque (the floor is no more than the held-out error).
+    rings : those of them whose noise comes in bursts.
     builds_up : joints whose friction builds up with the speed, which was put right before anything was asked.
     free_identification : RMS error [N m] of a fit of all parameters without a prior, per axis.
     """
@@ -280,6 +282,7 @@ class Verdict:
     above_the_noise: tuple[AboveNoise, ...] = ()
     builds_up: tuple[BuildsUp, ...] = ()
     noise_untold: tuple[int, ...] = ()
+    rings: tuple[int, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
         """Return plain dicts and lists in the layout of verdict.json."""

@@ -53,21 +53,19 @@ def lead(content: dict[str, Any]) -> list[str]:
             f"Friction of {_joints(content, _builds_up(content))} builds up with the speed instead of turning over at "
             "rest. No robot file can hold that; it was put right before anything else was asked."
         )
+    missing = "No effect was found" if content["above_the_noise"] else "No effect is missing"
     if content["verdict"] == "none":
-        sentences.append("No effect is missing and no parameter needs to change.")
+        sentences.append(f"{missing} and no parameter needs to change.")
     elif content["verdict"] == "retuned":
-        sentences.append("No effect is missing; parameters of terms that the model has are wrong.")
+        sentences.append(f"{missing}; parameters of terms that the model has are wrong.")
     elif content["verdict"] == "effects":
         sentences.append(f"The model lacks {'; '.join(named)}.")
     elif named:
         sentences.append(f"The model lacks {'; '.join(named)}. Besides, there is structure that no effect explains.")
-    elif not _untold(content) or content["unexplained"]:
+    elif not _too_coarse(content) + _rings(content) or content["unexplained"]:
         sentences.append("There is structure beyond the noise that no effect of the library explains.")
     else:
-        sentences.append(
-            f"On {_joints(content, _untold(content))} these data are too coarse in time to tell noise from what the "
-            "model lacks: nothing can be said there."
-        )
+        sentences.append(_nothing_told(content))
     if lines := _lines(content):
         sentences.append(lines)
     if content["verdict"] != "unknown" or content["above_the_noise"]:
@@ -107,6 +105,29 @@ def _untold(content: Mapping[str, Any]) -> list[int]:
     return content.get("noise_untold", [])
 
 
+def _too_coarse(content: Mapping[str, Any]) -> list[int]:
+    """Return the joints whose data are too coarse in time for any noise floor."""
+    return [axis for axis in _untold(content) if content["gap"]["noise_floor"][axis - 1] is None]
+
+
+def _rings(content: Mapping[str, Any]) -> list[int]:
+    """Return the joints on which what looks like noise is ringing; a verdict of an earlier version does not ask."""
+    return content.get("rings", [])
+
+
+def _nothing_told(content: Mapping[str, Any]) -> str:
+    """Say of which joints nothing is known because noise is not told from what the model lacks, and why."""
+    if coarse := _too_coarse(content):
+        return (
+            f"On {_joints(content, coarse)} these data are too coarse in time to tell noise from what the model lacks: "
+            "nothing can be said there."
+        )
+    return (
+        f"On {_joints(content, _rings(content))} what looks like noise comes in bursts and hides the torque, "
+        "as lost motion in a gear, a resonance or a poor torque signal make it: what is missing there cannot be told."
+    )
+
+
 def _builds_up(content: Mapping[str, Any]) -> list[int]:
     """Return the joints whose friction builds up; a verdict of an earlier version does not ask."""
     return [b["axis"] for b in content.get("builds_up", ())]
@@ -133,14 +154,21 @@ def _what_is_left(content: dict[str, Any]) -> str:
         return f"The noise of {_joints(content, _untold(content))} is not known: how much is left there cannot be told."
     if not above:
         return "The held-out error could not be compared with the noise."
-    return f"The error on held-out motion stays above the noise: {', '.join(above)}."
+    told = f"The error on held-out motion stays above the noise: {', '.join(above)}"
+    if content["verdict"] in ("none", "retuned"):
+        # Coarse positions do that to robots to which nothing is missing; so did a soft base.
+        told += "; coarse positions do that, or something small without a name, as a base that gives way"
+    return f"{told}."
 
 
 def heading(content: Mapping[str, Any]) -> str:
     """Return the verdict as a heading that says where more than noise is left, structure told or not."""
     words = _WORDS[content["verdict"]]
-    if content["verdict"] == "unknown" and _untold(content) and not (content["unexplained"] or content["effects"]):
-        return f"Too coarse in time to say what is missing on {_joints(content, _untold(content))}"
+    if content["verdict"] == "unknown" and not (content["unexplained"] or content["effects"]):
+        if coarse := _too_coarse(content):
+            return f"Too coarse in time to say what is missing on {_joints(content, coarse)}"
+        if _rings(content):
+            return f"Something rings on {_joints(content, _rings(content))}: what is missing there cannot be told"
     if content["verdict"] == "effects" and len(content["effects"]) > 1:
         words = f"The model lacks {len(content['effects'])} effects"
     if _builds_up(content):
@@ -148,6 +176,7 @@ def heading(content: Mapping[str, Any]) -> str:
     axes = [a["axis"] for a in content["above_the_noise"]]
     if content["verdict"] == "unknown" or not axes:
         return words
+    words = words.replace("no effect is missing", "no effect was found").replace(_WORDS["none"], "No effect was found")
     return f"{words}, and more than noise is left on {_joints(content, axes)}"
 
 

@@ -17,5 +17,6 @@ EFFECT = Effect(
     parameters_of=None,
     grid=lambda state, axis: [],
     identifiable=False,
-    reason="1 mrad of lost motion changes the torque by about 0.02 N m, below the noise without a link encoder",
+    reason="without a link encoder its torque is a ringing whose form no library can hold: it depends on the inertia "
+    "behind the gap and on the controller",
 )

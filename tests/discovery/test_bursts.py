@@ -1,0 +1,87 @@
+"""What hides most of a torque and comes in bursts is no noise of a sensor."""
+
+import numpy as np
+import pytest
+
+from jointwear.discovery.noise.bursts import FEWEST, heaviest_noise, loudest_share, rings
+from jointwear.discovery.presentation.page import heading, lead
+
+RATE, COUNT = 250.0, 6000
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+@pytest.fixture
+def motion():
+    return 4.0 * np.sin(2 * np.pi * 0.4 * np.arange(COUNT) / RATE)
+
+
+def coloured(rng, memory=0.9):
+    """Return normal noise of unit size that forgets slowly."""
+    drive, noise = rng.normal(size=COUNT), np.zeros(COUNT)
+    for k in range(1, COUNT):
+        noise[k] = memory * noise[k - 1] + np.sqrt(1 - memory**2) * drive[k]
+    return noise
+
+
+def ringing(rng):
+    """Return what rings at 25 Hz each time the load turns over, of unit size, beside a little noise."""
+    since = (np.arange(COUNT) % 300) / RATE
+    swing = np.exp(-since / 0.08) * np.sin(2 * np.pi * 25.0 * since)
+    return swing / np.std(swing) + 0.1 * rng.normal(size=COUNT)
+
+
+ALL, ONE = np.ones(COUNT, dtype=bool), np.zeros(COUNT, dtype=int)
+
+
+def test_normal_noise_has_one_share_whatever_its_colour(rng):
+    for noise in (rng.normal(size=COUNT), coloured(rng)):
+        assert loudest_share(noise, ALL, ONE) == pytest.approx(0.28, abs=0.02)
+    assert heaviest_noise() == pytest.approx(loudest_share(rng.laplace(size=COUNT).cumsum(), ALL, ONE), abs=0.03)
+
+
+def test_ringing_as_large_as_the_torque_is_no_noise(rng, motion):
+    left = 2.4 * ringing(rng)
+    assert rings(2.4, left, motion + left, ALL, ONE)
+
+
+def test_neither_a_large_noise_nor_small_bursts_ring(rng, motion):
+    """The light wrist of a Panda in another bench has a noise of 0.84 of its torque, with nothing hidden."""
+    assert not rings(3.5, 3.5 * coloured(rng), motion, ALL, ONE)
+    assert not rings(0.4, 0.4 * ringing(rng), motion, ALL, ONE)
+    # Noise whose size follows a speed.
+    assert not rings(3.5, 3.5 * rng.normal(size=COUNT) * np.sin(np.arange(COUNT) / 50.0), motion, ALL, ONE)
+
+
+def test_few_samples_say_nothing(rng, motion):
+    few = np.arange(COUNT) < FEWEST
+    assert not rings(2.4, 2.4 * ringing(rng), motion, few, ONE)
+    assert not rings(2.4, 2.4 * ringing(rng), motion, ~ALL, ONE)
+    assert loudest_share(np.zeros(COUNT), ALL, ONE) == 0.0
+
+
+def test_a_page_says_that_a_joint_rings_and_not_that_data_are_coarse():
+    gap = {"nominal": [9.0, 5.0], "retuned": [9.0, 1.0], "augmented": [9.0, 1.0], "noise_floor": [9.0, 1.0]}
+    content = {"verdict": "unknown", "effects": [], "unexplained": [], "above_the_noise": [], "suspects": []}
+    content |= {"gap": gap, "noise_untold": [1], "rings": [1]}
+    assert heading(content) == "Something rings on joint 1: what is missing there cannot be told"
+    assert lead(content)[0].startswith("On joint 1 what looks like noise comes in bursts")
+    coarse = {**content, "rings": [], "gap": {**gap, "noise_floor": [None, 1.0]}}
+    assert heading(coarse) == "Too coarse in time to say what is missing on joint 1"
+    assert "too coarse in time" in lead(coarse)[0]
+    # An estimate that was too high alone is neither.
+    assert "structure beyond the noise" in lead({**content, "rings": []})[0]
+
+
+def test_what_stays_above_the_noise_is_not_said_to_be_nothing():
+    """Three joints above the noise stood beside "No effect is missing": a pedestal gave way at 9 Hz."""
+    gap = {"nominal": [2.0], "retuned": [1.5], "augmented": [1.5], "noise_floor": [1.0]}
+    content = {"verdict": "retuned", "effects": [], "unexplained": [], "suspects": [], "gap": gap}
+    content |= {"to_the_noise": False, "above_the_noise": [{"axis": 1, "ratio": 1.5}]}
+    assert lead(content)[0].startswith("No effect was found;")
+    assert "a base that gives way" in lead(content)[1]
+    assert heading(content) == "Parameters are wrong, no effect was found, and more than noise is left on joint 1"
+    assert heading({**content, "verdict": "none"}).startswith("No effect was found, and")
