@@ -21,7 +21,10 @@ from jointwear.discovery.presentation.page import (
     joint_table,
     lead,
     put_back_in_words,
+    refused_alone,
     strongest_at,
+    strongest_first,
+    what_follows,
     write_page,
 )
 from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_blocks, term_of
@@ -34,7 +37,7 @@ from jointwear.discovery.search.leftovers import LINE, lasting, unexplained
 from jointwear.discovery.settings import settings_of
 from jointwear.discovery.stages import discover_dataset
 from jointwear.discovery.verdict import Gap
-from jointwear.effects import get_effect
+from jointwear.effects import get_effect, library
 from jointwear.files.errors import InputError
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
@@ -237,6 +240,43 @@ def test_what_has_no_name_is_put_beside_a_gap_that_is_closed():
     assert lead({**content, "gap": {**gap, "retuned": [4.0], "augmented": [3.0]}})[-1].endswith("75\u202f%.")
     named = {**content, "verdict": "retuned", "to_the_noise": True}
     assert "no name" not in lead(named)[-1]
+
+
+def test_what_has_no_name_where_all_of_the_gap_is_closed_is_an_order():
+    """A page closed 100 % of the gap and said that more than noise has no name."""
+    gap = {"nominal": [9.0], "retuned": [1.02], "augmented": [1.02], "noise_floor": [1.0]}
+    content = {"verdict": "unknown", "effects": [], "above_the_noise": [], "suspects": [], "gap": gap}
+    assert "it shows in how what is left is ordered, not in the size of this error" in lead(content)[-1]
+    content |= {"above_the_noise": [{"axis": 1, "ratio": 1.2}], "to_the_noise": False}
+    assert lead(content)[-1].endswith("is small beside that gap, but more than noise.")
+
+
+def test_the_strongest_of_every_joint_is_told_before_the_rest():
+    found = [{"axis": a, "argument": x} for a, x in ((1, "position"), (1, "time"), (2, "time"), (1, "torque"))]
+    first, further = strongest_first(found)
+    assert [(u["axis"], u["argument"]) for u in first] == [(1, "position"), (2, "time")]
+    assert [u["argument"] for u in further] == ["time", "torque"]
+
+
+def test_a_suspect_is_not_told_as_refused_too():
+    one = {"effect": "joint_spring", "axis": 1, "source_axis": None}
+    other = {**one, "axis": 2}
+    assert refused_alone({"suspects": [one], "lost": [one, other]}) == [other]
+
+
+def test_a_body_that_would_explain_a_link_is_among_the_first_words(found):
+    content = {**found.data, "bodies": [{"link": 2, "mass": 2.58, "sigmas": 4.0}]}
+    told = [words for words in lead(content) if words.startswith("Link 2 came out 2.58 kg heavier")]
+    assert len(told) == 1
+    assert not any(words.startswith("Link") for words in lead({**found.data, "bodies": []}))
+
+
+def test_an_elastic_gear_is_told_with_its_stiffness():
+    (stiffness,) = library()["joint_flexibility"].derived
+    assert stiffness.value({"inertia": 3.0, "inertia_over_stiffness": 1e-3}) == pytest.approx(3000.0)
+    assert stiffness.value({"inertia": 0.0, "inertia_over_stiffness": 1e-3}) is None
+    assert "K = inertia" in what_follows("joint_flexibility", "stiffness")
+    assert what_follows("joint_spring", "stiffness") == ""
 
 
 def test_what_a_model_does_to_the_gap_is_told_in_words_that_can_be_true(found):

@@ -9,7 +9,7 @@ from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.model import retuned
-from jointwear.discovery.model.link_masses import unlikely_masses
+from jointwear.discovery.model.link_masses import moving_bodies, unlikely_masses
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.verdict import Retuned
 from jointwear.robots.robot import robot_from_data
@@ -25,6 +25,7 @@ def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
     assert words in told
     assert "-" not in told
     assert not unlikely_masses([replace(one, value=2.1)], Settings())
+    assert [(b.link, b.mass) for b in moving_bodies([one], Settings())] == [(2, pytest.approx(value - 2.0))]
 
 
 def test_parameters_of_a_joint_that_stays_unexplained_stand_in_for_it():

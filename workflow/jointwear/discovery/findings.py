@@ -10,7 +10,7 @@ import numpy as np
 from jointwear.discovery.estimates.effect_estimates import Estimate
 from jointwear.discovery.estimates.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.model.final_model import Final
-from jointwear.discovery.model.link_masses import unlikely_masses
+from jointwear.discovery.model.link_masses import moving_bodies, unlikely_masses
 from jointwear.discovery.model.noise_floor import floor_with_names
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.model.told_fallbacks import told_fallbacks
@@ -121,6 +121,7 @@ def make_verdict(
         above_the_noise=above,
         noise_untold=untold,
         rings=tuple(in_bursts),
+        bodies=moving_bodies(retuned, problem.settings),
         builds_up=tuple(BuildsUp(a + 1, way.form, six_digits(way.speed)) for a, way in problem.building_up.items()),
         filter_cutoff_hz=tuple(six_digits(c) if np.isfinite(c) else None for c in problem.measured.cutoff),
     )
@@ -369,6 +370,11 @@ def _named_effect(final: Final, e: Estimate) -> NamedEffect:
         gain_share=six_digits(named.gain_share),
         structure_left=named.structure_left,
         repeated=_rounded(named.repeated),
+        derived={
+            d.name: Quantity(six_digits(value), None, d.unit)
+            for d in effect.derived
+            if (value := d.value(e.parameters)) is not None
+        },
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 #: Verdict on data that contradict nothing of the given robot.
@@ -62,6 +62,8 @@ class NamedEffect:
     gain_share : drop of the mean squared error on records left out, over the noise variance of the axis.
     structure_left : whether structure that no effect explains is left on its axis.
     repeated : share of the runs without one group of recordings that name it too, None where there are no groups.
+    derived : what follows from the parameters, as the stiffness of an elastic gear: as right as those are that no data
+        estimate.
     """
 
     effect: str
@@ -80,6 +82,7 @@ class NamedEffect:
     gain_share: float
     structure_left: bool = False
     repeated: float | None = None
+    derived: dict[str, Quantity] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,21 @@ class Retuned:
     value: float
     std: float
     unit: str
+
+
+@dataclass(frozen=True)
+class MovingBody:
+    """A body that would explain a corrected link mass that the prior of the links hardly allows.
+
+    Attributes
+    ----------
+    link : 1-based. mass : [kg], negative for one that the robot file has and the robot has not. sigmas : standard
+        deviations of its prior by which the mass of the link is off.
+    """
+
+    link: int
+    mass: float
+    sigmas: float
 
 
 @dataclass(frozen=True)
@@ -257,6 +275,7 @@ class Verdict:
         None, and nothing is named), or its estimate holds what the model lacked or comes in bursts that hide the
         torque (the floor is no more than the held-out error).
     rings : those of them whose noise comes in bursts.
+    bodies : that would explain corrected link masses.
     builds_up : joints whose friction builds up with the speed, which was put right before anything was asked.
     free_identification : RMS error [N m] of a fit of all parameters without a prior, per axis.
     """
@@ -283,6 +302,7 @@ class Verdict:
     builds_up: tuple[BuildsUp, ...] = ()
     noise_untold: tuple[int, ...] = ()
     rings: tuple[int, ...] = ()
+    bodies: tuple[MovingBody, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
         """Return plain dicts and lists in the layout of verdict.json."""

@@ -39,6 +39,16 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Derived:
+    """A quantity that follows from the parameters of an effect; `value` returns None where it does not."""
+
+    name: str
+    unit: str
+    description: str
+    value: Callable[[Parameters], float | None]
+
+
+@dataclass(frozen=True)
 class Bend:
     """How the form of an effect may differ from that of its textbook.
 
@@ -121,6 +131,7 @@ class Effect:
     writes : (content of a robot file, parameters) -> content in which the effect is part of the robot itself, for an
         effect that is no entry of `effects`.
     sequential : depends on the order of samples; without an order it acts in its settled limit, with zero torque.
+    derived : what follows from the parameters and is what a reader asks for.
     identifiable : False where torque and position alone cannot show it at all (`reason` says why).
     """
 
@@ -174,6 +185,7 @@ class Effect:
     leading: int = 0
     writes: Callable[[dict[str, Any], Parameters], dict[str, Any]] | None = None
     sequential: bool = False
+    derived: tuple[Derived, ...] = ()
     identifiable: bool = True
     reason: str = ""
 

@@ -13,7 +13,7 @@ from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.settings import Settings
-from jointwear.discovery.verdict import Retuned
+from jointwear.discovery.verdict import MovingBody, Retuned
 from jointwear.files.json_values import six_digits
 from jointwear.robots.inertia import bodies
 
@@ -99,22 +99,28 @@ def _link_mass(link: int, nominal: float, value: float, std: float) -> Retuned:
     return Retuned("link_mass", link + 1, six_digits(nominal), six_digits(value), six_digits(std), "kg")
 
 
-def unlikely_masses(retuned: list[Retuned], settings: Settings) -> list[str]:
-    """Return a sentence for each link mass that the inertial prior hardly allows: a body at the link does the same."""
-    told = []
+def moving_bodies(retuned: list[Retuned], settings: Settings) -> tuple[MovingBody, ...]:
+    """Return a body for each link mass that the inertial prior hardly allows: it would do the same."""
+    found = []
     for one in retuned:
         if one.parameter != "link_mass" or not one.nominal:
             continue
         sigmas = abs(one.value / one.nominal - 1.0) / settings.inertial_prior
         if sigmas > settings.mass_sigmas:
-            more = one.value - one.nominal
-            body = (
-                f"a body of {more:.3g} kg that moves with it, as a payload does,"
-                if more > 0
-                else f"a body of {-more:.3g} kg that the robot file has there and the robot has not"
-            )
-            told.append(
-                f"the mass of link {one.axis} is {sigmas:.2g} standard deviations of its prior off; {body} "
-                "would explain the same"
-            )
-    return told
+            found.append(MovingBody(one.axis, six_digits(one.value - one.nominal), six_digits(sigmas)))
+    return tuple(found)
+
+
+def unlikely_masses(retuned: list[Retuned], settings: Settings) -> list[str]:
+    """Return a sentence for each link mass that the inertial prior hardly allows: a body at the link does the same."""
+    return [
+        f"the mass of link {one.link} is {one.sigmas:.2g} standard deviations of its prior off; {_in_words(one)} "
+        "would explain the same"
+        for one in moving_bodies(retuned, settings)
+    ]
+
+
+def _in_words(body: MovingBody) -> str:
+    if body.mass > 0:
+        return f"a body of {body.mass:.3g} kg that moves with it, as a payload does,"
+    return f"a body of {-body.mass:.3g} kg that the robot file has there and the robot has not"

@@ -73,6 +73,7 @@ def lead(content: dict[str, Any]) -> list[str]:
     if content["suspects"]:
         suspects = "; ".join(name(e) for e in content["suspects"])
         sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
+    sentences += _bodies(content)
     closed = _closed(content["gap"], _untold(content))
     if closed is not None:
         alone, augmented = map(_of_the_gap, closed)
@@ -80,9 +81,7 @@ def lead(content: dict[str, Any]) -> list[str]:
         done = f"retuning alone {alone}{warned[0]}, the augmented model {augmented}{warned[1]}"
         if alone == augmented == UNCHANGED:
             done = "neither retuning nor the augmented model changes it"
-        sentences.append(
-            f"The gap between model and noise on held-out motion: {done}{_beside_it(content['verdict'], closed[1])}."
-        )
+        sentences.append(f"The gap between model and noise on held-out motion: {done}{_beside_it(content, closed[1])}.")
     return sentences
 
 
@@ -103,6 +102,20 @@ def _lines(content: Mapping[str, Any]) -> str:
 def _untold(content: Mapping[str, Any]) -> list[int]:
     """Return the joints whose noise floor is not known; a verdict of an earlier version does not ask."""
     return content.get("noise_untold", [])
+
+
+def _bodies(content: Mapping[str, Any]) -> list[str]:
+    """Say which body would explain a corrected link; a verdict of an earlier version does not ask."""
+    told = []
+    for body in content.get("bodies", ()):
+        mass, more = number(abs(body["mass"])), body["mass"] > 0
+        way = "heavier" if more else "lighter"
+        there = "that moves with it, as a payload does" if more else "that is in the robot file alone"
+        told.append(
+            f"Link {body['link']} came out {mass} kg {way}, which its prior hardly allows: a body of that mass {there} "
+            "would explain the same."
+        )
+    return told
 
 
 def _too_coarse(content: Mapping[str, Any]) -> list[int]:
@@ -138,11 +151,16 @@ def _joints(content: Mapping[str, Any], axes: Sequence[int]) -> str:
     return "every joint" if 1 < len(axes) == len(content["gap"]["nominal"]) else numbered("joint", axes)
 
 
-def _beside_it(verdict: str, closed: float) -> str:
+def _beside_it(content: Mapping[str, Any], closed: float) -> str:
     """Say how what has no name can be there though nearly all of the gap is closed, empty where that is no question."""
-    if verdict != "unknown" or closed < 1 - NARROW:
+    if content["verdict"] != "unknown" or closed < 1 - NARROW:
         return ""
-    return "; what has no name is small beside that gap, but more than noise"
+    if content["above_the_noise"]:
+        return "; what has no name is small beside that gap, but more than noise"
+    return (
+        "; what has no name is small beside that gap: it shows in how what is left is ordered, not in the size of this "
+        "error"
+    )
 
 
 def _what_is_left(content: dict[str, Any]) -> str:
@@ -295,6 +313,26 @@ def _times_given(ratio: float) -> str:
     return "the same error as the given robot" if number(ratio) == "1" else f"{number(ratio)} times the given error"
 
 
+def strongest_first(unexplained: Sequence[Mapping[str, Any]]) -> tuple[list[Mapping], list[Mapping]]:
+    """Return the strongest structure of every joint, and the rest: one cause shows over a dozen arguments."""
+    first: dict[int, Mapping] = {}
+    for one in unexplained:
+        first.setdefault(one["axis"], one)
+    return list(first.values()), [one for one in unexplained if one is not first[one["axis"]]]
+
+
+def refused_alone(content: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the candidates that came close and are not told as suspects already."""
+    keys = ("effect", "axis", "source_axis")
+    told = {tuple(one[k] for k in keys) for one in content["suspects"]}
+    return [one for one in content["lost"] if tuple(one[k] for k in keys) not in told]
+
+
+def what_follows(effect: str, quantity: str) -> str:
+    """Return what a quantity is that follows from the parameters of an effect; empty where the effect says nothing."""
+    return next((d.description for d in library()[effect].derived if d.name == quantity), "")
+
+
 def strongest_at(structure: Mapping[str, Any]) -> str:
     """Return where structure is strongest, empty where that is half or more of what the motion covers.
 
@@ -363,6 +401,9 @@ def write_page(
         "body": body_in_words,
         "hardly_told": hardly_told,
         "strongest_at": strongest_at,
+        "strongest": dict(zip(("first", "further"), strongest_first(content["unexplained"]), strict=True)),
+        "lost": refused_alone(content),
+        "what_follows": what_follows,
         "below_the_floor": numbered("joint", below) if (below := below_the_floor(content["gap"])) else "",
         "published": None,
         "pairs": pairs,

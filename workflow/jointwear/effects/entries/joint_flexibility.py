@@ -3,7 +3,7 @@
 import numpy as np
 
 from jointwear.effects.bends import timing_bend
-from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.effect import Derived, Effect, Parameter
 from jointwear.effects.order import first_derivative, second_derivative
 from jointwear.effects.swing import wind_up
 
@@ -90,6 +90,12 @@ def _parameters_of(p, c):
     return {**p, "inertia_over_stiffness": float(p["inertia_over_stiffness"] * (1.0 if _spreads(p) else c[0]))}
 
 
+def _stiffness(p):
+    """Return K [N m/rad] behind the gear, None where the inertia that it follows from is not known."""
+    inertia, share = p.get("inertia", 0.0), p["inertia_over_stiffness"]
+    return inertia / share if inertia > 0 and share > 0 else None
+
+
 EFFECT = Effect(
     identifier="joint_flexibility",
     name="Joint flexibility",
@@ -128,4 +134,13 @@ EFFECT = Effect(
     of_load=True,
     bend=timing_bend(),
     sequential=True,
+    derived=(
+        Derived(
+            "stiffness",
+            "N m/rad",
+            "K = inertia / inertia_over_stiffness, of the gear at the joint; as right as that inertia, which is of the "
+            "robot file: a payload that is missing there is missing here",
+            _stiffness,
+        ),
+    ),
 )
