@@ -110,7 +110,7 @@ def _bodies(content: Mapping[str, Any]) -> list[str]:
     for body in content.get("bodies", ()):
         mass, more = number(abs(body["mass"])), body["mass"] > 0
         way = "heavier" if more else "lighter"
-        there = "that moves with it, as a payload does" if more else "that is in the robot file alone"
+        there = "that moves with it, as a payload does," if more else "that is in the robot file alone"
         told.append(
             f"Link {body['link']} came out {mass} kg {way}, which its prior hardly allows: a body of that mass {there} "
             "would explain the same."
