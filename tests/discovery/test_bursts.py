@@ -1,10 +1,14 @@
 """What hides most of a torque and comes in bursts is no noise of a sensor."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from jointwear.discovery.findings import _noise_in_bursts, _without_bursts
 from jointwear.discovery.noise.bursts import FEWEST, heaviest_noise, loudest_share, rings
 from jointwear.discovery.presentation.page import heading, lead
+from jointwear.discovery.verdict import Gap
 
 RATE, COUNT = 250.0, 6000
 
@@ -61,6 +65,22 @@ def test_few_samples_say_nothing(rng, motion):
     assert not rings(2.4, 2.4 * ringing(rng), motion, few, ONE)
     assert not rings(2.4, 2.4 * ringing(rng), motion, ~ALL, ONE)
     assert loudest_share(np.zeros(COUNT), ALL, ONE) == 0.0
+
+
+def test_a_floor_of_ringing_is_what_is_left_and_told_once(rng, motion):
+    """Of the second joint it is said already that more than noise is left, of the third no noise is known."""
+    left = 2.4 * ringing(rng)
+    torque = np.repeat((motion + left)[:, None], 4, axis=1)
+    torque[:, 3] = motion + 0.01 * left
+    model = np.repeat(motion[:, None], 4, axis=1)
+    measured = SimpleNamespace(torque=torque, usable=np.ones(torque.shape, dtype=bool), trajectory=ONE)
+    gap = Gap((9.0,) * 4, (9.0,) * 4, (2.2, 2.2, 2.2, 0.024), (2.4, 2.4, None, 0.024))
+    told, ringing_joints = _without_bursts(SimpleNamespace(measured=measured), model, gap, {1})
+    assert told.noise_floor == (2.2, 2.4, None, 0.024)
+    assert ringing_joints == {1: 2.4}
+    (words,) = _noise_in_bursts(ringing_joints)
+    assert words.startswith("joint 1: what looks like noise there, 2.4 N m, hides the torque")
+    assert "backlash" in words
 
 
 def test_a_page_says_that_a_joint_rings_and_not_that_data_are_coarse():
