@@ -80,7 +80,7 @@ def test_a_floor_of_ringing_is_what_is_left_and_told_once(rng, motion):
     assert ringing_joints == {1: 2.4}
     (words,) = _noise_in_bursts(ringing_joints)
     assert words.startswith("joint 1: what looks like noise there, 2.4 N m, hides the torque")
-    assert "backlash" in words
+    assert "lost motion in the gear" in words
 
 
 def test_a_page_says_that_a_joint_rings_and_not_that_data_are_coarse():

@@ -207,7 +207,7 @@ def _noise_in_bursts(ringing: Mapping[int, float]) -> Iterable[str]:
     for axis, noise in ringing.items():
         yield (
             f"joint {axis}: what looks like noise there, {noise:.2g} N m, hides the torque and comes in bursts, which "
-            "no sensor's noise does; lost motion in the gear (backlash) behind the encoder of the motor rings like "
+            "no sensor's noise does; lost motion in the gear behind the encoder of the motor rings like "
             "that, or a resonance that motion excites, or the torque signal is poor: what the model lacks there cannot "
             "be told; compare motor and link with a second encoder, or look at the raw torque"
         )
