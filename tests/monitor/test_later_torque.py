@@ -1,6 +1,7 @@
 """A later torque in another unit, without sign or at a limit is told and not judged; wear and gains are judged."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from jointwear.measurement.refused import Refused
 from jointwear.monitor.findings.read_findings import reading_findings
 from jointwear.monitor.reading import later_check, misreadings
 from jointwear.monitor.reading.derivation import derive_motion
-from jointwear.monitor.reading.later_check import LaterCheck, beyond_loads
+from jointwear.monitor.reading.later_check import LaterCheck, beyond_loads, largest_torque
 from jointwear.monitor.reading.logs import log_statistics
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.survey import survey_log
@@ -246,6 +247,23 @@ def test_a_file_without_friction_and_load_costs_no_log_and_another_unit_is_told(
         wrong = log_with_product(tmp_path, program, first, SCALES[kind], drives)
         with pytest.raises(Refused, match=r"multiple of the model's|looks like mN m"):
             survey_log(wrong, *reading, LENGTH)
+
+
+@pytest.mark.parametrize("factor", [190.0, -273.0])
+def test_a_factor_is_one_only_where_the_torque_is_as_large_as_it_says(factor):
+    """Bodies that ask next to nothing of a wrist, beside friction that no file has, fit a part by a factor."""
+    motion = Task("product", np.radians(FAR[0]), np.full(5, FAR[1])).motion(np.arange(1200) / 50.0)
+    robot = replace(BARE, links=[replace(k, mass=1e-3 * k.mass, inertia=1e-3 * k.inertia) for k in BARE.links])
+    torque = Dynamics(robot).rigid_body_torque(motion.position, motion.velocity, motion.acceleration)
+    torque[:, 4] *= factor
+    torque += Dynamics(ARM).friction_torque(motion.velocity)
+    values = {name: getattr(motion, name) for name in ("position", "velocity", "acceleration")}
+    measured = SimpleNamespace(**values, torque=torque, usable=np.abs(motion.velocity) > 0.02)
+    largest = largest_torque(measured)
+    for first, told in ((largest, None), (largest / abs(factor), factor), (np.full(6, np.nan), factor)):
+        check = LaterCheck(Dynamics(robot), np.full(6, 0.02), [0.02] * 6, "log", first)
+        scale = check.off_scale_of(measured)(measured)
+        assert (scale is None) if told is None else scale[4] == pytest.approx(told, rel=0.05)
 
 
 @pytest.mark.parametrize("seconds", [44.0, 56.0])

@@ -28,6 +28,7 @@ from jointwear.measurement.checks.torque_scale import (
     FEWEST_SHARING,
     LIKELIER,
     OF_ONE,
+    factors,
     gained_by,
     off_scale,
     shared_scale,
@@ -234,8 +235,8 @@ class LaterCheck:
         ------
         Refused : with the factors.
         """
-        robot, parts, usable = self._dynamics.robot, samples.parts, samples.usable
-        scale, free = off_scale(samples, robot), off_scale(samples, robot, load_free=True)
+        parts, usable, sized = samples.parts, samples.usable, self.off_scale_of(measured)
+        scale, free = sized(samples), sized(samples, load_free=True)
         # Another load at the flange multiplies the bodies of the axes too, and leaves the factors beside it at one.
         if scale is None or free is None:
             return
@@ -245,26 +246,43 @@ class LaterCheck:
                 return
             scale = free
         left = self._left_over(parts, usable, scale)
-        if self._load_explains(measured, left, lambda thin: off_scale(thin, robot) is not None):
+        if self._load_explains(measured, left, lambda thin: sized(thin) is not None):
             return
         # One move with a part is as well explained by factors; the part shows in the moves beside it. Its load has to
         # answer for the joints that are off: in so short a piece that of a wrist of light links may be anything.
         accused = (scale < 0) | (np.abs(np.log(np.abs(scale))) > np.log(FACTOR))
-        if self._is_as_good(lightened(), left, lambda thin: off_scale(thin, robot, asked=accused) is not None):
+        if self._is_as_good(lightened(), left, lambda thin: sized(thin, asked=accused) is not None):
             return
         # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
         if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
             return
         known, self._scale = np.flatnonzero(scale != 1.0), scale
-        factors = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
+        told = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
         mended = ", ".join(f"{significant(1 / scale[j])} for joint {j + 1}" for j in known)
         self._refusal = Refused(
-            f"{self._name}: the torque is another multiple of the model's than in the first log ({factors}); it looks "
+            f"{self._name}: the torque is another multiple of the model's than in the first log ({told}); it looks "
             "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
             f"fit times about {mended}",
             OF_ONE_LOG,
         )
         raise self._refusal
+
+    def off_scale_of(self, measured: Measured) -> Callable[..., np.ndarray | None]:
+        """Return :func:`.off_scale` of this robot, asked only of joints whose torque is as large as their factor says.
+
+        What multiplies a torque multiplies that of friction too, which fills the torque of most joints. Where bodies
+        ask next to nothing of a joint, and its friction is in no file, a part that the robot carries is explained by
+        190 times these bodies beside a torque that is what it was.
+        """
+        times = largest_torque(measured) / self._largest
+
+        def off(thin: Measured, load_free: bool = False, asked: np.ndarray | None = None) -> np.ndarray | None:
+            factor, robot = factors(thin, self._dynamics.robot, load_free)[0], self._dynamics.robot
+            with np.errstate(divide="ignore"):
+                told = ~(np.abs(np.log(np.abs(factor) / times)) > np.log(OF_ONE))
+            return off_scale(thin, robot, load_free, told if asked is None else told & asked)
+
+        return off
 
     def _check_decade(
         self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float, stated: str
@@ -277,7 +295,7 @@ class LaterCheck:
         ------
         Refused : with the factor, where the torque over it is explained far better too.
         """
-        largest = np.max(np.where(measured.usable, np.abs(np.nan_to_num(measured.torque)), 0.0), axis=0, initial=0.0)
+        largest = largest_torque(measured)
         known = (largest > 0) & np.isfinite(self._largest)
         if known.sum() < FEWEST_SHARING:
             return
@@ -403,6 +421,11 @@ class LaterCheck:
         found = ((growth(left), reading) for reading, left in chain(others, turned))
         grown, reading = min(found, key=lambda x: x[0], default=(np.inf, None))
         return reading if mends(grown) else None
+
+
+def largest_torque(measured: Measured) -> np.ndarray:
+    """Return the largest torque (n,) [N m] of each joint among the samples that count, 0 where none does."""
+    return np.max(np.where(measured.usable, np.abs(np.nan_to_num(measured.torque)), 0.0), axis=0, initial=0.0)
 
 
 def beyond_loads(scale: np.ndarray, alone: np.ndarray, axes: int) -> bool:
