@@ -84,6 +84,23 @@ def test_a_noise_of_a_new_program_alone_is_no_damage(case, kinds):
     assert all(f["axes"] == [2] for f in found)
 
 
+@pytest.mark.parametrize(
+    ("returns", "ended", "told"), [(None, False, True), ("loud", False, False), ("calm", True, False)]
+)
+def test_programs_in_which_it_was_not_loud_do_not_say_that_it_is_as_before(returns, ended, told):
+    """Play of a base showed in one program; three shifts of another one called it mended."""
+    program = np.repeat([0, 1, 0, 0, 1, 0, 0, 0], SHIFT)
+    loud = _loud([1], [])
+    loud[np.repeat([0, 0, 0, 0, 1, 1, 0, 0], SHIFT) == 1, 1] = 8.0
+    program[40:48] = 1
+    if returns:
+        program, loud = np.repeat([0, 1, 0, 1, 1, 1, 1, 1], SHIFT), _loud([1], [3, 4])
+        if returns == "loud":
+            loud[56:, 1] = 8.0
+    (found,) = _findings(loud, program=program)
+    assert ("end" in found, "have not run since" in found["words"]) == (ended, told)
+
+
 def test_an_event_answers_it():
     (found,) = _findings(_loud([1], [5, 6, 7]), ((), (50,), ()))
     assert found["answered"]

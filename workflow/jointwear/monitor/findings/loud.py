@@ -8,7 +8,7 @@ the baseline show as well, such as that of a part that the robot carries now and
 a program which the baseline lacks has from its first windows on while the other programs are as before.
 
 Logs of which samples were refused tell nothing of an axis, and an axis that is as before again for several shifts is no
-damaged one.
+damaged one. It is so only in the programs in which it was loud: play that one program shows is hidden in another.
 """
 
 from __future__ import annotations
@@ -78,7 +78,8 @@ def loud_findings(
         of_program = _of_programs(loud & moved, moved, program, baseline)
         result += _program_findings(statistics, program, of_program, noise / usual)
         loud &= ~of_program
-    result += _axis_findings(statistics, loud & moved, moved, rows, noise / usual, events)
+    label = np.zeros(len(shift), dtype=int) if program is None else program
+    result += _axis_findings(statistics, loud & moved, moved, label, rows, noise / usual, events)
     quick = np.sqrt(statistics.noise_variance * (1 - statistics.autocorrelation))
     with np.errstate(invalid="ignore"):
         smooth = quick * SMOOTHER < known_median(np.where(baseline[:, None], quick, np.nan), axis=0)
@@ -95,25 +96,27 @@ def _axis_findings(
     statistics: WindowStatistics,
     loud: np.ndarray,
     moved: np.ndarray,
+    program: np.ndarray,
     rows: list[np.ndarray],
     times: np.ndarray,
     events: Sequence[Sequence[int]],
 ) -> list[dict[str, Any]]:
-    """Return the findings on single axes; `times` (w, n) the usual noise of each axis, the others as of
-    :func:`_of_shifts` and :func:`loud_findings`."""
+    """Return the findings on single axes; `times` (w, n) the usual noise of each axis, `program` (w,), the others
+    as of :func:`_of_shifts` and :func:`loud_findings`."""
     share, many = _of_shifts(loud, moved, rows)
     alone = (share >= LOUD_SHARE).mean(axis=1) < MOST_AXES
     result = []
     for j in range(statistics.axes):
         seen = [k for k in range(len(rows)) if moved[rows[k], j].any()]
         odd = [bool(share[k, j] >= LOUD_SHARE and many[k, j] and alone[k]) for k in seen]
-        calm = [bool(share[k, j] <= HARDLY) for k in seen]
-        for first, last in _bouts(odd, calm):
+        own = [rows[k][moved[rows[k], j]] for k in seen]
+        for first, last, unseen in _bouts(odd, [loud[r, j] for r in own], [program[r] for r in own]):
             begin = int(rows[seen[first]][0])
             stop = statistics.windows if last is None else int(rows[seen[last]][-1]) + 1
             # It may have turned out to come and go.
             size = float(np.median(times[begin:stop, j][loud[begin:stop, j]]))
             words = (_LOUD if last is None else _WAS_LOUD).format(axis=name_axes([j + 1]), times=f"{size:.2g}")
+            words += _NOT_SINCE if unseen else ""
             over = {} if last is None else {"end": float(statistics.end[stop - 1])}
             found = {"time": float(statistics.start[begin]), **over, "axes": [j + 1], "kind": LOUD, "words": words}
             answered = bool(over) or any(window >= begin for window in events[j])
@@ -121,26 +124,41 @@ def _axis_findings(
     return result
 
 
-def _bouts(odd: Sequence[bool], calm: Sequence[bool]) -> list[tuple[int, int | None]]:
+def _bouts(
+    odd: Sequence[bool], loud: Sequence[np.ndarray], program: Sequence[np.ndarray]
+) -> list[tuple[int, int | None, bool]]:
     """Return the first and the last of the shifts (s,) of each time in which an axis was loud; the last is None where
-    it is not as before again.
+    it is not as before again. With each goes whether no program in which it was loud ran in the newest shift.
 
     Parameters
     ----------
-    odd, calm : (s,) bool, shifts that are loud, and in which hardly a window is.
+    odd : (s,) bool, shifts that are loud. loud, program : (s,) of arrays (k,), whether each window of a shift in which
+        the axis moves is loud, and its label.
     """
-    result: list[tuple[int, int | None]] = []
+    result: list[tuple[int, int | None, bool]] = []
     first = last = None
     run = still = 0
+    where: set[int] = set()
+    ran = True
     for k in range(len(odd)):
-        run, still = (run + 1 if odd[k] else 0), (still + 1 if calm[k] else 0)
+        run = run + 1 if odd[k] else 0
+        if first is None and run < SHIFTS:
+            continue
         if first is None:
-            first = k - SHIFTS + 1 if run >= SHIFTS else None
-        last = last if calm[k] else k
-        if first is not None and still >= BACK:
-            result.append((first, last))
+            first, last, still = k - SHIFTS + 1, k, 0
+            where = {int(p) for s in range(first, k + 1) for p in program[s][loud[s]]}
+        elif odd[k]:
+            where |= {int(p) for p in program[k][loud[k]]}
+        # What a program of another motion does not show may be there all the same.
+        own = np.isin(program[k], list(where))
+        ran = bool(own.any())
+        calm = ran and not odd[k] and loud[k][own].mean() <= HARDLY
+        still = still + 1 if calm else still if not ran else 0
+        last = last if calm or not ran else k
+        if still >= BACK:
+            result.append((first, last, False))
             first = None
-    return result if first is None else [*result, (first, None)]
+    return result if first is None else [*result, (first, None, not ran)]
 
 
 def _of_programs(loud: np.ndarray, moved: np.ndarray, program: np.ndarray, baseline: np.ndarray) -> np.ndarray:
@@ -188,6 +206,7 @@ _LOUD = (
     "its sensor. Such hours are not judged for growth of friction; look at this axis, and enter what was done under "
     "'events'."
 )
+_NOT_SINCE = " The programs in which it was so have not run since; in others it need not show."
 _WAS_LOUD = (
     "What the model left of the torque of {axis} was {times} times as large as in the normal period, and that of the "
     f"other axes was not; for {BACK} shifts or more it has been as before again: columns or rows of these logs that do "
