@@ -45,6 +45,18 @@ def test_an_axis_whose_torque_grew_uneven_is_not_called_healthy_until_an_event_a
     assert axis_summary(replace(state, findings=[over]), 0)["status"] == HEALTHY
 
 
+def test_a_page_that_tells_another_zero_does_not_say_beside_it_that_nothing_has_changed(monitored, tmp_path):
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    healthy = replace(state, alarms=[], status=np.where(state.status == CHANGED, HEALTHY, state.status))
+    found = {"time": float(state.start[40]), "axes": [3], "kind": "zero", "words": "Joint 3 counts otherwise."}
+    for more, told in (({}, "Friction is not known before"), ({"answered": True}, "No change of friction")):
+        write_page(replace(healthy, findings=[{**found, **more}]), tmp_path / "page.html", tmp_path / "figures")
+        page = (tmp_path / "page.html").read_text(encoding="utf-8")
+        assert f"<h1>{told}" in page
+        assert ("unless the zero of a joint hides it" in page) == (not more)
+
+
 @pytest.mark.parametrize(
     ("why", "level"), [(Reason.NONE, HEALTHY), (Reason.CONDITIONS, UNJUDGED), (Reason.LEARNING, UNJUDGED)]
 )

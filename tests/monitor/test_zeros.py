@@ -92,6 +92,27 @@ def test_a_part_that_windows_of_the_baseline_show_as_well_is_no_other_zero(share
     assert (changed_zero(statistics, program, shift, baseline, [[]] * 3) is not None) == told
 
 
+def test_what_comes_and_goes_may_be_a_part_and_is_told_as_either():
+    """A zero stays until somebody mends it; a part that came and went before is no zero when it comes again."""
+    statistics, program, shift, baseline = month(0.0)
+
+    def turned(shifts):
+        found = blank_statistics(statistics.start, 3600.0, np.ones(3), True)
+        found.count[:], found.turned_shown[:] = statistics.count, statistics.turned_shown
+        found.turned[:] = statistics.turned
+        found.turned[np.isin(shift, shifts), 1] += np.radians(9.0) * found.turned_shown[0, 1]
+        return found, changed_zero(found, program, shift, baseline, [[]] * 3)
+
+    windows, found = turned([14, 15, 16, 17])
+    assert (found.begin, found.gone) == (112, 144)
+    (told,) = zero_finding(windows, found)
+    assert (told["time"], told["end"], told["answered"]) == (112 * 3600.0, 144 * 3600.0, True)
+    assert "or a part that the robot carried" in told["words"]
+    assert turned([14, 15, 16, 17, 18])[1].gone is None
+    assert turned([11, 16, 17, 18, 19])[1] is None
+    assert turned([11, 13, 14, 15, 16, 17, 18, 19])[1].axes == (1,)
+
+
 def test_a_change_beyond_such_a_part_is_another_zero():
     statistics, program, shift, baseline = month(14.0)
     carried = baseline & (np.arange(160) % 5 == 0)

@@ -197,7 +197,8 @@ def write_page(
     since = "" if row["last_judged"] is None else when(state, row["last_judged"], zone)
     newest, open_ones = last_judged(state), any(e.resolved is None for e in whole)
     learnt = newest is not None and not state.after[newest]
-    heading, sentences = headline(summaries, open_ones, row["refused_newest"], since, learnt)
+    turned = any(np.isfinite(c.turned) for c in conditions)
+    heading, sentences = headline(summaries, open_ones, row["refused_newest"], since, learnt, turned)
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
     told = finding_rows(row, state, zone)

@@ -202,13 +202,15 @@ def headline(
     refused: int = 0,
     since: str = "",
     learnt: bool = False,
+    turned: bool = False,
 ) -> tuple[str, list[str]]:
     """Return the heading of the page and the sentences below it.
 
     Parameters
     ----------
     whole_robot : an alarm concerns all axes. refused : logs that are refused since any axis was judged last, `since`.
-        learnt : no axis was judged but in the normal period.
+        learnt : no axis was judged but in the normal period. turned : a joint counts from another zero, which nobody
+        has answered.
     """
 
     def named(status: str) -> str:
@@ -237,6 +239,8 @@ def headline(
         heading = f"Over the limit without an alarm: {over}"
     elif higher:
         heading = f"Friction is higher, without an alarm: {higher}"
+    elif healthy and turned:
+        heading = "Friction is not known before the zero of a joint is settled"
     elif healthy:
         heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
     else:
@@ -258,7 +262,8 @@ def headline(
     if higher:
         sentences.append(f"Higher without an alarm: {higher}; by how much stands below the table.")
     if judged:
-        sentences.append(f"No change{' until then' if refused else ''}: {judged}.")
+        beside = ", unless the zero of a joint hides it" if turned else ""
+        sentences.append(f"No change{' until then' if refused else ''}{beside}: {judged}.")
     if late:
         sentences.append(f"No change when last judged, but not judged of late: {late}; the reasons are in the table.")
     if coarse:

@@ -8,7 +8,8 @@ loads and wrong masses hide that in part, so that friction seems to have grown o
 b the torque of the bodies, with the nuisances of :mod:`.torque_lag` free in every axis. What a robot file has wrong
 looks like an angle too, differently in each program and the same whenever it runs: so a window is held against those of
 the baseline in its program, and one joint has to show the same change shift after shift. A part that some windows of
-the baseline lift as well makes whole shifts look changed later: a change lies beyond what they show.
+the baseline lift as well makes whole shifts look changed later: a change lies beyond what they show. A part comes and
+goes, a zero stays until somebody mends it.
 """
 
 from __future__ import annotations
@@ -105,13 +106,15 @@ def angles_of(
 @dataclass(frozen=True)
 class ChangedZero:
     """A joint (`axes`, 0-based, the likeliest first) that counts from another zero by `angle` [rad] from window `begin`
-    on, known from window `known` on, until window `end`, where an event of the config answers it."""
+    on, known from window `known` on, until window `end`, where an event of the config answers it. From window `gone` on
+    a program that showed it did no more, None where all do."""
 
     axes: tuple[int, ...]
     angle: float
     begin: int
     known: int
     end: int
+    gone: int | None = None
 
 
 def changed_zero(
@@ -176,9 +179,15 @@ def changed_zero(
             continue
         size = float(np.median(mean[recent], axis=0)[order[0]])
         begin, last = int(rows[0]), int(rows[-1])
-        if _of_some_programs(change[:, order[0]] / size, program, shift, begin, last):
+        share, answer = change[:, order[0]] / size, first[order[0]]
+        if _of_some_programs(share, program, shift, begin, last):
             continue
-        return ChangedZero(tuple(order), size, begin, last + 1, first[order[0]])
+        # A part that was carried and put away on earlier days may be carried again.
+        least = max(SHOWS, SMALLEST / abs(size))
+        if _gone_again(share[:begin], program, shift, least) is not None:
+            continue
+        gone = _gone_again(share[:answer], program, shift, SHOWS, begin)
+        return ChangedZero(tuple(order), size, begin, last + 1, answer, gone)
     return None
 
 
@@ -226,6 +235,34 @@ def _of_some_programs(share: np.ndarray, program: np.ndarray, shift: np.ndarray,
     return any(len(own) >= WINDOWS and np.median(own) < SHOWS for own in seen)
 
 
+def _gone_again(share: np.ndarray, program: np.ndarray, shift: np.ndarray, least: float, begin: int = 0) -> int | None:
+    """Return the window from which on some program that showed a change did not for :data:`SHIFTS` of its shifts; None
+    where none did so.
+
+    Parameters
+    ----------
+    share : (k,) of the first windows, as of :func:`_of_some_programs`. program, shift : (w,) labels.
+    least : share from which on a shift shows it. begin : window from which on shifts are looked at.
+    """
+    place = np.arange(len(share))
+    program, shift = program[: len(share)], shift[: len(share)]
+    known = np.isfinite(share) & (program >= 0) & (place >= begin)
+    found = []
+    for p in np.unique(program[known]):
+        shown, gone = False, []
+        for name in np.unique(shift[known & (program == p)]):
+            rows = np.flatnonzero(known & (program == p) & (shift == name))
+            if len(rows) < WINDOWS:
+                continue
+            middle = float(np.median(share[rows]))
+            if shown and middle < SHOWS:
+                gone.append(int(rows[0]))
+            shown |= middle >= least
+        if len(gone) >= SHIFTS:
+            found.append(gone[0])
+    return min(found, default=None)
+
+
 def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> list[dict[str, Any]]:
     """Return a finding on a changed zero, none where there is none."""
     if found is None:
@@ -239,6 +276,13 @@ def zero_finding(statistics: WindowStatistics, found: ChangedZero | None) -> lis
         "enter the event as 'sensor' for all axes, so that they are learnt anew."
     )
     result = {"time": float(statistics.start[found.begin]), "axes": sorted(j + 1 for j in found.axes), "kind": ZERO}
+    if found.gone is not None:
+        words = (
+            f"The torques were as if joint {joints} counted from another zero than in the normal period, by about "
+            f"{degrees} deg, and are as before again: another calibration that was put right, or a part that the robot "
+            "carried and no load of the robot file stands for. Growth in these hours is not to be trusted."
+        )
+        return [{**result, "end": float(statistics.start[found.gone]), "words": words, "answered": True}]
     if found.end < statistics.windows:
         return [{**result, "end": float(statistics.start[found.end]), "words": words, "answered": True}]
     return [{**result, "words": words}]
