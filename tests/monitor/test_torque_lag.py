@@ -134,6 +134,17 @@ def test_a_program_that_moves_each_axis_by_a_time_of_its_own_is_no_lag():
     assert change_of(Lag(alike, np.full(4, 1e-3), far), first) == pytest.approx(0.01235)
 
 
+def test_a_program_that_was_taught_anew_is_no_lag_that_explains_one_axis_of_it():
+    """A UR10 without friction in its file: 3, 4, 8, 101 and 15 ms early, 8 of which explain the last axis alone."""
+    sharp = np.array([717.0, 320.0, 131.0, 44.0, 1144.0])
+    first = Lag(np.array([-2.7, 3.2, 2.8, 20.3, -7.0]) / 1e3, np.full(5, 5e-4), sharp)
+    own = np.array([-2.6, -4.2, -7.6, -101.0, -14.9]) / 1e3
+    assert change_of(Lag(first.late + own, np.full(5, 1e-3), sharp), first) == 0.0
+    # A filter takes most of what there is off them all.
+    filtered = np.array([-6.6, -8.2, -11.6, -30.0, -14.9]) / 1e3
+    assert change_of(Lag(first.late + filtered, np.full(5, 1e-3), sharp), first) == pytest.approx(-0.0116)
+
+
 def test_torques_read_later_end_with_their_stretch():
     time, stretch = np.arange(8.0), np.repeat([0, 1], 4)
     usable = np.ones((8, 1), dtype=bool)
