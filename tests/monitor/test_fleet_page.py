@@ -210,7 +210,7 @@ def test_products_that_came_again_and_again_take_one_sentence():
     row = as_of(robot("arm", findings=[product(3, [1, 6]), product(1, [2, 3, 4], False), product(2, [1, 6])]), NOW)
     (told,) = robot_item(row, zone_of(None), "robots")["findings"]
     assert told.startswith("Wed 2025-12-31: The torque changed at once 3 times, as with parts that")
-    assert "(axes 1 and 6; axes 2, 3 and 4)" in told
+    assert "(axes 1 and 6; axes 2, 3 and 4), the first 2 days before the last:" in told
     assert told.endswith("; with 1 of them most axes cannot be judged yet.")
     row["findings"] = row["findings"][:1]
     assert robot_item(row, zone_of(None), "robots")["findings"] == ["Mon 2025-12-29: The torque changed."]

@@ -42,6 +42,16 @@ def test_an_override_is_told_with_its_factor():
     assert "5 h of them judged" in found["words"]
 
 
+def test_slower_and_faster_hours_are_told_apart():
+    """0.65 to 1.6 times its usual speed held the usual one."""
+    statistics = at(month(), 0.65)
+    faster = np.arange(WINDOWS)[LATE][6:]
+    statistics.gram[faster, :, 2] *= 1.6 / 0.65
+    statistics.gram[faster, :, :, 2] *= 1.6 / 0.65
+    (found,) = told(statistics)
+    assert "ran 6 h at 0.65 times its usual speed and 4 h at 1.6 times its usual speed, which" in found["words"]
+
+
 def test_slow_samples_near_stops_are_no_other_speed():
     """A seventh more samples, at a twentieth of the speed: the mean over time falls by 12 %."""
     s = month()

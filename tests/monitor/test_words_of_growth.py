@@ -1,12 +1,17 @@
 """How growth, forecasts and times are told."""
 
+from dataclasses import replace
+
 import pytest
 from fleet_rows import axis
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.local_time import local_time, zone_of
-from jointwear.monitor.presentation.condition import CHANGED
+from jointwear.monitor.presentation.condition import CHANGED, AxisCondition, Outlook
+from jointwear.monitor.presentation.episodes import Episode
+from jointwear.monitor.presentation.standing import axis_row
 from jointwear.monitor.presentation.words import MAY_BE_REACHED, change_words, outlook_words
+from jointwear.monitor.watching.records import DETECTORS
 
 
 def test_a_changed_axis_that_is_not_judged_now_tells_its_newest_alarm():
@@ -57,6 +62,18 @@ def test_growth_that_is_hardly_known_may_have_reached_its_limit():
         {"dated": False, "last_sample": 0.0}, {**axis, "viscous_growth": 74.0, "unsure": True}, zone_of(None)
     )
     assert told == "limit of viscous friction (+20 %) may be reached by now"
+
+
+def test_a_forecast_of_the_limit_of_viscous_friction_has_its_growth_beside_it():
+    alarm = {"time": 100.0, "change": 0.2, "unit": "N m", "probability_axis": 1.0}
+    episode = Episode(3, "coulomb friction", DETECTORS[0], (alarm,), None)
+    outlook = Outlook(0.0, 0.0, 24.0, "viscous friction")
+    told = AxisCondition(3, "elbow", CHANGED, 1.1, 2.7, 20.0, outlook, (episode,), (), viscous=17.3, viscous_std=9.0)
+    row = axis_row(told)
+    assert change_words(row).startswith("Coulomb friction +1.1 % now, limit 20 %; viscous friction +17.3 % now")
+    where = {"dated": False, "last_sample": 0.0}
+    assert outlook_words(where, row, zone_of(None)) == "limit of viscous friction (+20 %) may be reached by now"
+    assert axis_row(replace(told, outlook=None))["viscous_growth"] is None
 
 
 def test_the_size_of_backlash_is_told_as_the_least_it_is():

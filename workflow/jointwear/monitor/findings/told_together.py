@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from jointwear.files.wording import listed, name_axes
+from jointwear.files.wording import count, listed, name_axes
 from jointwear.monitor.findings.findings import FELL, PROGRAM, fell_words
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.seen_growth import COARSE
@@ -91,9 +91,13 @@ def _products(found: Sequence[Finding]) -> dict[str, Any]:
     blind = sum(not f["judged"] for f in found)
     moved = "; ".join(sorted({name_axes(f["moved"]) for f in found}))
     judged = f"; with {blind} of them most axes cannot be judged yet" if blind else ""
+    times = [f["time"] for f in found]
+    days = round((max(times) - min(times)) / 86400)
+    # The date beside it is that of the newest.
+    apart = f", the first {count(days, 'day')} before the last" if days else ""
     words = (
         f"The torque changed at once {len(found)} times, as with parts that their programs did not have before and "
-        f"that no load of the robot file stands for ({moved}): the normal of each is learnt from its first "
+        f"that no load of the robot file stands for ({moved}){apart}: the normal of each is learnt from its first "
         f"shifts{judged}."
     )
     if logs := list(dict.fromkeys(name for f in found for name in f.get("logs", ()))):

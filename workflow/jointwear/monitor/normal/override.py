@@ -100,14 +100,21 @@ def override_findings(
     rows = np.flatnonzero((unseen != 0) & together & after_baseline(baseline))
     if len(rows) < FEWEST_TOLD:
         return []
-    factors = np.exp(change[rows])
-    low, high = (significant(float(x), 2) for x in (factors.min(), factors.max()))
-    times = low if low == high else f"{low} to {high}"
     hours = statistics.length / 3600
+    sides = [own for own in (rows[unseen[rows] < 0], rows[unseen[rows] > 0]) if len(own)]
+    # Slower and faster hours are two things: a span from one to the other would hold the usual speed.
+    times = " and ".join(
+        f"{len(own) * hours:.3g} h at {_span(np.exp(change[own]))} times its usual speed" for own in sides
+    )
     known = f"{judged[rows].sum() * hours:.3g} h of them judged" if judged[rows].any() else "none of them judged yet"
     words = (
-        f"The robot ran {len(rows) * hours:.3g} h at {times} times its usual speed, which the "
-        f"normal period did not have, {known}: what another speed changes has to be learnt first. If it often runs so, "
-        "name the override under 'program', or let the normal period hold it."
+        f"The robot ran {times}, which the normal period did not have, {known}: what another speed changes has to be "
+        "learnt first. If it often runs so, name the override under 'program', or let the normal period hold it."
     )
     return [{"time": float(statistics.start[rows[0]]), "axes": [], "kind": OVERRIDE, "words": words}]
+
+
+def _span(factors: np.ndarray) -> str:
+    """Return the span of factors (k,) in words, one number where its ends round to the same."""
+    low, high = (significant(float(x), 2) for x in (factors.min(), factors.max()))
+    return low if low == high else f"{low} to {high}"

@@ -24,6 +24,7 @@ from jointwear.monitor.presentation.condition import (
 )
 from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.words import over_words
+from jointwear.monitor.watching.limits import VISCOUS
 
 #: What a robot without a judgement has.
 NOTHING: dict[str, Any] = {
@@ -196,6 +197,8 @@ def rhythm_hours(first: np.ndarray) -> float | None:
 def axis_row(condition: AxisCondition) -> dict[str, Any]:
     """Return the condition of an axis as JSON has it; a forecast without an upper end has None there."""
     outlook, main = condition.outlook, condition.main
+    # A forecast of its limit alone would stand beside the growth of the other friction.
+    viscous = condition.viscous_told or (outlook is not None and outlook.quantity == VISCOUS)
     return {
         "axis": condition.axis,
         "joint": condition.joint,
@@ -207,7 +210,7 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "limit": condition.limit,
         "hours": None if outlook is None else [six_digits(h) for h in (outlook.hours, outlook.low, outlook.high)],
         "limited_by": "" if outlook is None else outlook.quantity,
-        "viscous_growth": six_digits(condition.viscous) if condition.viscous_told else None,
+        "viscous_growth": six_digits(condition.viscous) if viscous else None,
         "probability": None if condition.probability is None else six_digits(condition.probability),
         "quantity": main.quantity if main else "",
         "change": as_json(condition.change),
