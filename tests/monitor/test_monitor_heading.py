@@ -40,6 +40,8 @@ def test_an_axis_whose_torque_grew_uneven_is_not_called_healthy_until_an_event_a
     told = axis_summary(replace(state, findings=[found]), 0)
     assert told["status"] == UNJUDGED
     assert "uneven" in told["remark"]
+    healthy = [told if k == 0 else {**axis_summary(state, k), "status": HEALTHY, "label": HEALTHY} for k in range(6)]
+    assert headline(healthy)[0] == "Torque has grown uneven: axis 1"
     assert axis_summary(replace(state, findings=[{**found, "answered": True}]), 0)["status"] == HEALTHY
     over = {**found, "end": float(state.end[43])}
     assert axis_summary(replace(state, findings=[over]), 0)["status"] == HEALTHY

@@ -106,6 +106,7 @@ def axis_summary(
         "windows": len(judged),
         "coarse": coarse is not None,
         "late": late,
+        "loud": condition.loud,
     }
 
 
@@ -222,6 +223,7 @@ def headline(
     healthy = name_axes([s["axis"] for s in sound])
     judged, late = (name_axes([s["axis"] for s in sound if s["late"] == wanted]) for wanted in (False, True))
     coarse = name_axes([s["axis"] for s in summaries if s["status"] == HEALTHY and s["coarse"]])
+    uneven = name_axes([s["axis"] for s in summaries if s["status"] == UNJUDGED and s["loud"]])
     if changed:
         play = [s["axis"] for s in summaries if s["status"] == CHANGED and s["quantity"] == BACKLASH]
         full = [s["axis"] for s in summaries if s["label"] == REACHED]
@@ -239,6 +241,8 @@ def headline(
         heading = f"Over the limit without an alarm: {over}"
     elif higher:
         heading = f"Friction is higher, without an alarm: {higher}"
+    elif uneven:
+        heading = f"Torque has grown uneven: {uneven}"
     elif healthy and turned:
         heading = "Friction is not known before the zero of a joint is settled"
     elif healthy:
