@@ -170,7 +170,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             gates.append(("nats gained on the last record left out", found.last, -half))
             gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
             lead = _step_between_lead(white, beside, trial)
-            gates.append(("nats by which it does better than one step between two records", -lead, half))
+            gates.append(("nats by which one step between two records does better", -lead, -half))
             lead = _levels_lead(white, beside, trial)
             gates.append(("nats by which a level of its own in each record does better", -lead, -half))
         # Twice as large as what it has to explain: by the triangle inequality more is left with it than without.
@@ -311,8 +311,8 @@ def _step_lead(white: White, beside: Fit, trial: Named) -> float:
 def _step_between_lead(white: White, beside: Fit, trial: Named) -> float:
     """Return the nats by which a step between two records does better than an effect that follows time.
 
-    What changed between two records and in none of them is not growth that was seen: a joint that was mounted anew, or
-    other oil, is followed by a growth whose rate and exponent are free.
+    A joint that was mounted anew, or other oil, is followed by a growth whose rate and exponent are free. Where the
+    records cannot tell one from the other it is called growth.
     """
     label = np.asarray(white.problem.train_state.record)
     begins = np.flatnonzero(np.diff(label)) + 1
