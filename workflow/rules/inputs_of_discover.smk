@@ -1,7 +1,7 @@
 # What the rules of discover.smk take from the entry of their data set.
 from jointwear.robots.robot_file import robot_sources
 from jointwear.files.documents import read_yaml
-from jointwear.monitor.plan import log_sources
+from jointwear.measurement.log_kinds import log_sources
 from jointwear.running.datasets import written_for
 
 # The data set that the report shows; `discover` takes it too where the config names none.

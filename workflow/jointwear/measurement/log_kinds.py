@@ -1,4 +1,7 @@
-"""Which format a log has, by its name. Read by the Snakefile at every call: nothing heavy is imported here."""
+"""Which format a log has, by its name, and which files it is made of.
+
+Read by the Snakefile at every call: nothing heavy is imported here.
+"""
 
 from __future__ import annotations
 
@@ -42,3 +45,11 @@ def log_format(path: str | Path) -> str | None:
 
 def _kind_of(name: str) -> str | None:
     return next((kind for ending, kind in FORMATS.items() if name.lower().endswith(ending)), None)
+
+
+def log_sources(path: str | Path) -> list[str]:
+    """Return the files that one log is made of: itself, or the files of a bag's folder."""
+    path = Path(path)
+    if os.path.isdir(path) and os.access(path, os.R_OK | os.X_OK):
+        return sorted(p.as_posix() for p in path.iterdir() if os.path.isfile(p))
+    return [str(path)]

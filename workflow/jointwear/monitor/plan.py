@@ -23,7 +23,7 @@ from jointwear.files.patterns import matches
 from jointwear.files.regular_files import broken_link, nearest_file
 from jointwear.files.wording import count
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
-from jointwear.measurement.log_kinds import FORMATS, is_folder_like_log, log_format, unpacked
+from jointwear.measurement.log_kinds import FORMATS, is_folder_like_log, log_format, log_sources, unpacked
 from jointwear.measurement.timestamps import LATEST, meant, moment_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.local_time import zone_of
@@ -84,14 +84,6 @@ def _meant(text: str) -> str:
         return ""
     times, unit = _SAID[said[2].lower()]
     return f"; the nearest valid value is {times * float(said[1]):g}{unit}"
-
-
-def log_sources(path: str | Path) -> list[str]:
-    """Return the files that one log is made of: itself, or the files of a bag's folder."""
-    path = Path(path)
-    if os.path.isdir(path) and os.access(path, os.R_OK | os.X_OK):
-        return sorted(p.as_posix() for p in path.iterdir() if os.path.isfile(p))
-    return [str(path)]
 
 
 def may_be_read(path: str | Path) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 from jointwear.files.digests import digest
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json
-from jointwear.monitor.plan import log_sources
+from jointwear.measurement.log_kinds import log_sources
 
 #: Robots of a job at most, because starting a job costs as much as judging one or two robots; at least, where there are
 #: so many; and jobs that a fleet is cut into before they grow: as many cores work on a small fleet too.
