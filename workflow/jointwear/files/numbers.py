@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from jointwear.files.errors import InputError, shown
+from jointwear.files.schema_parts import values_of
 
 #: Largest size of a number in a document. Nothing that is measured in SI units comes near, and products of a dozen
 #: such numbers still fit double precision.
@@ -25,29 +26,15 @@ def check_numbers(value: Any, name: object, schema: dict[str, Any] | None = None
     ------
     InputError : one line naming the document, the key, what is allowed and the nearest valid value.
     """
-    _check(value, name, "", schema or {}, schema or {})
-
-
-def _check(value: Any, name: object, where: str, part: dict[str, Any], schema: dict[str, Any]) -> None:
-    """Check what a document holds at `where`; `part` of its schema is on this value."""
-    if "$ref" in part:
-        part = schema.get("$defs", {}).get(part["$ref"].removeprefix("#/$defs/"), {})
-    if isinstance(value, dict):
-        rest = part.get("additionalProperties")
-        for key, inner in value.items():
-            below = part.get("properties", {}).get(key, rest if isinstance(rest, dict) else {})
-            _check(inner, name, f"{where}.{key}" if where else str(key), below, schema)
-    elif isinstance(value, (list, tuple)):
-        for index, inner in enumerate(value):
-            _check(inner, name, f"{where}[{index}]", part.get("items", {}), schema)
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise InputError(f"{name}: '{where}' is {value}; every number must be finite")
-    elif isinstance(value, (int, float)) and abs(value) > LARGEST:
-        allowed, near = _limit(part, value > 0)
-        raise InputError(
-            f"{name}: '{where}' is {shown(value)}, out of range (allowed: {allowed})"
-            + ("" if near is None else f"; the nearest valid value is {near:g}")
-        )
+    for where, number, part in values_of(value, schema or {}):
+        if isinstance(number, float) and not math.isfinite(number):
+            raise InputError(f"{name}: '{where}' is {number}; every number must be finite")
+        if isinstance(number, (int, float)) and abs(number) > LARGEST:
+            allowed, near = _limit(part, number > 0)
+            raise InputError(
+                f"{name}: '{where}' is {shown(number)}, out of range (allowed: {allowed})"
+                + ("" if near is None else f"; the nearest valid value is {near:g}")
+            )
 
 
 def _limit(part: dict[str, Any], above: bool) -> tuple[str, float | None]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError, nearest, quoted, shown
+from jointwear.files.schema_parts import values_of
 from jointwear.files.wording import count as counted
 
 SCHEMAS = Path(__file__).resolve().parents[2] / "schemas"
@@ -242,7 +243,7 @@ def read_numbers(data: Any, schema: dict[str, Any]) -> Any:
     return _by_kind(data, schema, _number_read)
 
 
-def check_no_quoted_numbers(data: Any, schema: dict[str, Any], name: str | Path, where: str = "") -> None:
+def check_no_quoted_numbers(data: Any, schema: dict[str, Any], name: str | Path) -> None:
     """Check that a file, as it was written, holds no number as text where the schema says number and not text.
 
     :func:`read_numbers` mends what Snakemake has read alone, of which nobody knows any more how it was written.
@@ -251,20 +252,19 @@ def check_no_quoted_numbers(data: Any, schema: dict[str, Any], name: str | Path,
     ------
     InputError : one line that names the document, the key, what is allowed and the nearest valid value.
     """
-    if isinstance(data, dict):
-        rest = schema.get("additionalProperties")
-        for key, value in data.items():
-            below = schema.get("properties", {}).get(key, rest if isinstance(rest, dict) else {})
-            check_no_quoted_numbers(value, below, name, f"{where}.{key}" if where else str(key))
-    elif isinstance(data, list):
-        for k, value in enumerate(data):
-            check_no_quoted_numbers(value, schema.get("items", {}), name, f"{where}[{k}]")
-    elif isinstance(data, str):
-        kinds = schema.get("type")
-        kinds = kinds if isinstance(kinds, list) else [kinds]
-        if {"number", "integer"} & set(kinds) and "string" not in kinds and _AS_TEXT.fullmatch(data):
-            near = _number_in(where, f"{float(data):.10f}".rstrip("0").rstrip("."), kinds, schema)
-            raise InputError(f"{name}: '{where}' is {shown(data)}, must be {_words(kinds)}{_limits(schema)}{near}")
+    for where, text, part in values_of(data, schema):
+        kinds = _kinds(part)
+        if not isinstance(text, str) or not {"number", "integer"} & set(kinds) or "string" in kinds:
+            continue
+        if _AS_TEXT.fullmatch(text):
+            near = _number_in(where, f"{float(text):.10f}".rstrip("0").rstrip("."), kinds, part)
+            raise InputError(f"{name}: '{where}' is {shown(text)}, must be {_words(kinds)}{_limits(part)}{near}")
+
+
+def _kinds(schema: dict[str, Any]) -> list:
+    """Return the types that a schema allows for a value."""
+    kinds = schema.get("type")
+    return kinds if isinstance(kinds, list) else [kinds]
 
 
 def _by_kind(data: Any, schema: dict[str, Any], change: Callable[[Any, list], Any]) -> Any:
@@ -276,8 +276,7 @@ def _by_kind(data: Any, schema: dict[str, Any], change: Callable[[Any, list], An
         return {k: _by_kind(v, properties.get(k, rest), change) for k, v in data.items()}
     if isinstance(data, list):
         return [_by_kind(v, schema.get("items", {}), change) for v in data]
-    kinds = schema.get("type")
-    return change(data, kinds if isinstance(kinds, list) else [kinds])
+    return change(data, _kinds(schema))
 
 
 def _normalised(value: Any, kinds: list) -> Any:
