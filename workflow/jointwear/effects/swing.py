@@ -33,7 +33,8 @@ def wind_up(
 
     (J w')' + D w' + (K + g') w = load, the equation of motion of the link made linear about a rigid gear: the inertia
     J changes with the pose of what is behind, and gravity pulls a link back or on that is wound up. Load is straight
-    and inertia constant between samples, between which that is solved exactly; a record starts settled.
+    and inertia constant between samples, between which that is solved exactly. Of the place and speed with which a
+    record starts nothing is known: what two free swings from there can explain is taken off, record by record.
 
     Parameters
     ----------

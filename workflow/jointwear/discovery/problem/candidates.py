@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 
 from jointwear.discovery.linear import Fit, Term, posterior_mean
-from jointwear.discovery.problem.instruments import held_at_ends
+from jointwear.discovery.problem.instruments import ended
 from jointwear.discovery.problem.motor_lines import in_band
 from jointwear.discovery.problem.products import Products
 from jointwear.discovery.problem.whitening import White, link_mass_blocks
 from jointwear.discovery.structure import ORDERS, Basis
 from jointwear.effects import get_effect, library
 from jointwear.files.errors import InputError
-from jointwear.measurement.derived.filtering import limit
 
 LINK_MASS = "link_mass"
 #: A joint that moves less than this [rad] acts on no other.
@@ -180,8 +179,7 @@ def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
 
 def _ended(white: White, axis: int, columns: np.ndarray) -> np.ndarray:
     """Return columns (N_train, k) on one axis of effects that spread, ended where those of a swing end."""
-    measured, record = white.problem.measured, np.asarray(white.problem.train_state.record)
-    return limit(held_at_ends(columns, record, measured.vague_ends), record, white.cutoffs[axis].swing, measured.rate)
+    return ended(white.problem, columns, white.cutoffs[axis].swing)
 
 
 def whitened(white: White, torques: dict[int, np.ndarray]) -> dict[int, np.ndarray]:

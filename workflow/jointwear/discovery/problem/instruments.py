@@ -280,10 +280,14 @@ def limited_inertial(problem: Problem, axis: int, cutoff: float) -> np.ndarray:
     """
     columns, felt = problem.inertial[:, axis][problem.train], problem.felt[axis]
     if np.isfinite(cutoff):
-        record, measured = np.asarray(problem.train_state.record), problem.measured
-        held = held_at_ends(columns[:, felt], record, measured.vague_ends)
-        columns[:, felt] = limit(held, record, cutoff, measured.rate)
+        columns[:, felt] = ended(problem, columns[:, felt], cutoff)
     return columns
+
+
+def ended(problem: Problem, columns: np.ndarray, cutoff: float) -> np.ndarray:
+    """Return columns (N_train, k) that end at `cutoff` [Hz], :func:`held_at_ends` before."""
+    record, measured = np.asarray(problem.train_state.record), problem.measured
+    return limit(held_at_ends(columns, record, measured.vague_ends), record, cutoff, measured.rate)
 
 
 def band_limited(state: State, axis: int, cutoff: float, rate: float, ends: int = 0) -> State:

@@ -16,6 +16,7 @@ from jointwear.discovery.problem.instruments import (
     Cutoffs,
     axis_cutoffs,
     clock_of,
+    ended,
     held_at_ends,
     limited_inertial,
     limited_state,
@@ -304,10 +305,7 @@ def _base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.nda
 
 
 def _limited(problem: Problem, cutoffs: Cutoffs, columns: np.ndarray) -> np.ndarray:
-    if not np.isfinite(cutoffs.torque):
-        return columns
-    record, measured = np.asarray(problem.train_state.record), problem.measured
-    return limit(held_at_ends(columns, record, measured.vague_ends), record, cutoffs.torque, measured.rate)
+    return ended(problem, columns, cutoffs.torque) if np.isfinite(cutoffs.torque) else columns
 
 
 def _raw(problem: Problem, axis: int, cutoffs: Cutoffs, white: Whitener, columns: np.ndarray) -> np.ndarray:

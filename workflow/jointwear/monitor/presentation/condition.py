@@ -289,23 +289,24 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         event=event,
         until=until if event else math.nan,
         together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
-        overnight=_viscous_overnight(state, j, open_ones) and not growth > CLEAR * std,
-        scaled=_of_coulomb(rose_alike, state, j, open_ones),
-        repaired=_of_coulomb(greased_since, state, j, open_ones),
+        overnight=_as_told(_viscous_overnight, VISCOUS, state, j, open_ones) and not growth > CLEAR * std,
+        scaled=_as_told(rose_alike, COULOMB, state, j, open_ones),
+        repaired=_as_told(greased_since, COULOMB, state, j, open_ones),
     )
     # One step has no rate of growth, and what was done to the axis is another than what was followed until then.
     dateless = found_now.contradicted or found_now.scaled or found_now.repaired
     return replace(found_now, outlook=None) if dateless else found_now
 
 
-def _of_coulomb(
+def _as_told(
     told: Callable[[np.ndarray, np.ndarray, np.ndarray, float], bool],
+    quantity: str,
     state: RobotState,
     j: int,
     episodes: Sequence[Episode],
 ) -> bool:
-    """Whether what both kinds of friction of a 0-based axis did is as `told` of an alarm of Coulomb friction."""
-    first = min((e.first for e in episodes if e.quantity == COULOMB), default=None)
+    """Whether what Coulomb and viscous friction of a 0-based axis did is as `told` of an alarm of a quantity."""
+    first = min((e.first for e in episodes if e.quantity == quantity), default=None)
     if first is None or not {"coulomb_percent", "viscous_percent"} <= set(state.estimates):
         return False
     after = state.after
@@ -313,14 +314,8 @@ def _of_coulomb(
     return told(state.end[after], *kinds, first)
 
 
-def _viscous_overnight(state: RobotState, j: int, episodes: Sequence[Episode]) -> bool:
-    """Whether viscous friction of a 0-based axis alarmed after it rose overnight, and has kept since."""
-    first = min((e.first for e in episodes if e.quantity == VISCOUS), default=None)
-    if first is None or "viscous_percent" not in state.estimates:
-        return False
-    after = state.after
-    viscous, coulomb = (state.estimates[name][0][after, j] for name in ("viscous_percent", "coulomb_percent"))
-    return rose_overnight(state.end[after], viscous, first, coulomb)
+def _viscous_overnight(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:
+    return rose_overnight(end, viscous, alarm, coulomb)
 
 
 def _last_judged(state: RobotState, j: int) -> tuple[float, float]:

@@ -54,8 +54,7 @@ def rose_alike(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm:
     end : (w,) [s] of the windows after the baseline. coulomb, viscous : (w,) growth [%] of itself, NaN unknown. alarm :
     time [s] of the first alarm.
     """
-    known = np.isfinite(coulomb) & np.isfinite(viscous)
-    (names, own), (_, other) = (_days(end[known], growth[known]) for growth in (coulomb, viscous))
+    names, own, other = _days_of_both(end, coulomb, viscous)
     first = int(np.searchsorted(names, np.floor(alarm / DAY), side="right"))
     for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST + 1)):
         step = float(np.mean(own[k:]) - np.mean(own[:k]))
@@ -77,8 +76,7 @@ def greased_since(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, ala
 
     Parameters are those of :func:`rose_alike`.
     """
-    known = np.isfinite(coulomb) & np.isfinite(viscous)
-    (names, own), (_, other) = (_days(end[known], growth[known]) for growth in (coulomb, viscous))
+    names, own, other = _days_of_both(end, coulomb, viscous)
     first = int(np.searchsorted(names, np.floor(alarm / DAY)))
     for k in range(first + 1, len(names) - FEWEST + 1):
         # What has grown for days lies below the newest of them: these alone stand for what was before.
@@ -87,6 +85,15 @@ def greased_since(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, ala
         if fallen and _fell(own[before], own[after]) and _fell(other[after], other[before]):
             return True
     return False
+
+
+def _days_of_both(
+    end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the days (d,) of which both kinds of friction (w,) are known, and the mean (d,) of each in them."""
+    known = np.isfinite(coulomb) & np.isfinite(viscous)
+    (names, own), (_, other) = (_days(end[known], growth[known]) for growth in (coulomb, viscous))
+    return names, own, other
 
 
 def _days(end: np.ndarray, growth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
