@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from discovery_cases import coarse, make_case
+from discovery_cases import coarse, make_case, wave
 
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.problem.problem import build_problem
@@ -50,3 +50,16 @@ def rooted(robot):
         return full
 
     return discover(make_case(robot, 22, root), robot, Settings())
+
+
+@pytest.fixture(scope="session")
+def case(robot):
+    """A recording of the robot with a wave of torque over a joint."""
+    return make_case(robot, 21, wave)
+
+
+@pytest.fixture(scope="session")
+def found(case, robot):
+    """The answer on it, its trajectories in two groups."""
+    groups = (("monday", (0,)), ("tuesday", (1, 2)))
+    return discover(case, robot, Settings(groups=groups))
