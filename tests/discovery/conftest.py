@@ -5,8 +5,8 @@ import pytest
 from discovery_cases import coarse, make_case, wave
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot

@@ -43,7 +43,7 @@ OTHERS = {
     "the fewest samples of a statistic": """
         encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise.ORDER_BESIDE_GAPS noise.LEFT_BY_ORDER slow_noise.FEW_SAMPLES
-        noise_spectrum.FEWEST_OF_RECORD problem.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
+        noise_spectrum.FEWEST_OF_RECORD setting_up.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
         shared_drives.FEWEST shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST noise.FEWEST
         noise.FEWEST_EACH residual_lines.FEWEST bursts.FEWEST
     """,

@@ -13,8 +13,8 @@ from jointwear.discovery.estimates.beyond_band import beyond_band
 from jointwear.discovery.noise.noise import estimate
 from jointwear.discovery.problem.candidates import Candidate, raw_columns, term_of, wider
 from jointwear.discovery.problem.fused_load import end_of_columns, fused_load
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.settings import Settings
 from jointwear.effects.order import second_derivative

@@ -27,8 +27,8 @@ from jointwear.discovery.problem.instruments import (
     swing_cutoff,
     torque_noise,
 )
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import _base_columns, whiten
 from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.discovery.settings import Settings

@@ -7,7 +7,7 @@ from discovery_cases import make_case
 from jointwear.discovery import Settings
 from jointwear.discovery.estimates.outcome import Unexplained
 from jointwear.discovery.findings import listed
-from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.search.searches import search, whitened
 from jointwear.measurement.recording import split
 from jointwear.robots.robot import load_robot

@@ -15,8 +15,8 @@ from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.noise.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.noise.spectra import density_of, frequencies, pieces_of
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search.searches import _shared_drives
 from jointwear.discovery.settings import Settings

@@ -11,8 +11,8 @@ from jointwear.discovery.noise.noise import estimate
 from jointwear.discovery.noise.ridge_fit import RidgeFit
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem.motor_lines import loud_waves, waves_in_band
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import axis_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect, make_state
 from jointwear.measurement.derived.derived_noise import DerivedNoise

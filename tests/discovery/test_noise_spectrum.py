@@ -25,8 +25,8 @@ from jointwear.discovery.noise.noise_spectrum import (
     slowest_pole,
     without_slow_torque,
 )
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.search.slow_noise import PRICE

@@ -1,16 +1,14 @@
 """What a problem says of itself, and what the gates make of it: parts that the search rests on, one by one."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, raw_columns, term_of
-from jointwear.discovery.problem.problem import FRICTION, FoundMotors, Problem
+from jointwear.discovery.problem.problem import FRICTION, FoundMotors
 from jointwear.discovery.search import acceptance
 from jointwear.effects import get_effect
 
@@ -27,15 +25,6 @@ def test_motors_that_were_found_are_taken_off_again_by_what_is_as_given(bare):
         np.testing.assert_allclose(found.given_discrepancy[:, axis], found.discrepancy[:, axis] - taken_off)
     assert FRICTION[-1] == "motor_inertia"
     np.testing.assert_array_equal(found.as_given[:, :-1], 0.0)
-
-
-def test_a_block_of_time_ends_with_its_record():
-    """Records shorter than a block are one each; a longer one is cut."""
-    record = np.repeat([0, 1, 2], [4, 4, 12])
-    time = np.concatenate([np.arange(4), 100 + np.arange(4), 200 + np.arange(12)]) * assumed.BLOCK / 5
-    problem = SimpleNamespace(train_state=SimpleNamespace(time=time, record=record))
-    block = Problem.block_of_sample.func(problem)
-    assert block.tolist() == [0] * 4 + [1] * 4 + [2] * 5 + [3] * 5 + [4] * 2
 
 
 def test_behind_a_gear_nothing_of_the_motor_is_fitted_that_the_file_lacks(bare):

@@ -11,8 +11,8 @@ from test_instruments import RATE, coarse
 from jointwear.discovery.estimates.harmless_band import where_noise_is_harmless
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.problem.candidates import Candidate, term_of
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search.acceptance import refusals
 from jointwear.discovery.search.crossval import cross_validate

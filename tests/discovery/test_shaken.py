@@ -13,8 +13,8 @@ from jointwear.discovery.noise.shaken import shaken_shares
 from jointwear.discovery.noise.spectra import frequencies, piece_of
 from jointwear.discovery.pipeline import split
 from jointwear.discovery.problem.candidates import Candidate
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search import carried, searches
 from jointwear.discovery.settings import Settings

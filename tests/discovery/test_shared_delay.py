@@ -12,7 +12,7 @@ from jointwear.discovery import Settings, discover, pipeline
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_blocks
-from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.search import shared_delay as module
 from jointwear.discovery.search.recorded_in_time import Steps, coulomb_steps
 from jointwear.discovery.search.searches import whitened

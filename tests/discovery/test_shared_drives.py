@@ -10,7 +10,7 @@ from discovery_cases import make_case
 from jointwear.discovery import assumed
 from jointwear.discovery.estimates.refine import simplest
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
-from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.shared_drives import sticking
 from jointwear.discovery.search.searches import search, whitened
 from jointwear.discovery.settings import Settings

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from jointwear.discovery.pipeline import discover
-from jointwear.discovery.problem.problem import build_problem
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.search.searches import search, whitened
 from jointwear.discovery.search.slow_noise import slower_noise
 from jointwear.discovery.settings import Settings

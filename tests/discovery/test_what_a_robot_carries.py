@@ -10,8 +10,8 @@ from jointwear.discovery import Settings
 from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import build_dictionary, raw_blocks
-from jointwear.discovery.problem.problem import build_problem
 from jointwear.discovery.problem.saturated import estimate_noise
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search.carried import carrying
 from jointwear.measurement.recording import split

@@ -18,7 +18,8 @@ from jointwear.discovery.model.written_robot import WrittenRobot
 from jointwear.discovery.posing import pose_problem
 from jointwear.discovery.problem.base_parameters import free_identification
 from jointwear.discovery.problem.identifiability import Visible, identifiability
-from jointwear.discovery.problem.problem import Problem, build_problem
+from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.carried import search_beside
 from jointwear.discovery.search.leftovers import lasting, unexplained

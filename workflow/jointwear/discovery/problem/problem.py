@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
@@ -18,33 +18,24 @@ from jointwear.discovery.noise.noise_spectrum import drives
 from jointwear.discovery.noise.ridge_fit import RidgeFit
 from jointwear.discovery.noise.shaken import shaken_shares
 from jointwear.discovery.noise.spectra import frequencies
-from jointwear.discovery.problem.building_up import BuiltUp, built_up_anywhere, with_whole_friction
-from jointwear.discovery.problem.reversals import leave_out_reversals, leave_out_ringing
-from jointwear.discovery.problem.shared_drives import sticking
+from jointwear.discovery.problem.building_up import BuiltUp
+from jointwear.discovery.problem.folds import blocks_of, folds_of
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import axis_bases
-from jointwear.effects import State, effect_torque, make_state
-from jointwear.measurement.derived.filtering import limit, zero_phase_gain
-from jointwear.measurement.derived.motion import Measured, measure
-from jointwear.measurement.recording import Recording
+from jointwear.effects import State
+from jointwear.measurement.derived.filtering import zero_phase_gain
+from jointwear.measurement.derived.motion import Measured
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
-from jointwear.robots.inertia import (
-    gravity_regressor,
-    inertial_regressor,
-    mass_direction,
-    prior_factor,
-    to_joint_frame,
-    wind_up_regressor,
-)
+from jointwear.robots.inertia import mass_direction
 from jointwear.robots.robot import Robot
 
-#: Fewest usable samples of an axis that a verdict is based on.
-FEWEST_SAMPLES = 60
 #: Poses over which the mass matrix is averaged.
 POSES = 200
 #: Prior of a parameter of the motor that a torque sensor behind the gear cannot feel, over that of others.
 ABSENT = 1e-4
+#: Shares of the filter's cut-off at which its effect on the torque is offered to the base regression.
+SMEAR = (1.0, 0.7, 0.5)
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
 
 
@@ -240,7 +231,7 @@ class Problem:
     @cached_property
     def fold_of_sample(self) -> np.ndarray:
         """(N_train,) fold of each training sample: its record, or one of four blocks of time if records are few."""
-        return self._folds(fewest=3)
+        return folds_of(np.asarray(self.train_state.record), fewest=3)
 
     @cached_property
     def part_of_sample(self) -> np.ndarray:
@@ -249,36 +240,17 @@ class Problem:
         Out of three records the other two have to extrapolate: what changes with time, or over a position that only one
         of them visits, would fail for that alone. A written model is asked to extrapolate: its folds are the records.
         """
-        return self._folds(fewest=4)
+        return folds_of(np.asarray(self.train_state.record), fewest=4)
 
     @cached_property
     def half_of_sample(self) -> np.ndarray:
         """(N_train,) half of its record that each training sample is in; a quarter or less where records are few."""
-        return self._folds(fewest=4, pieces=2)
+        return folds_of(np.asarray(self.train_state.record), fewest=4, pieces=2)
 
     @cached_property
     def block_of_sample(self) -> np.ndarray:
         """(N_train,) block of time of each training sample, `assumed.BLOCK` long within its record, in order."""
-        time, record = self.train_state.time, np.asarray(self.train_state.record)
-        if not len(record):
-            return np.zeros(0, dtype=int)
-        start = np.concatenate([[0], np.flatnonzero(np.diff(record)) + 1])
-        first = np.repeat(time[start], np.diff(np.append(start, len(record))))
-        block = ((time - first) // assumed.BLOCK).astype(int)
-        change = (np.diff(block) != 0) | (np.diff(record) != 0)
-        return np.concatenate([[0], np.cumsum(change)])
-
-    def _folds(self, fewest: int, pieces: int = 1) -> np.ndarray:
-        """Return the record, cut into `pieces`, of each training sample, into four in all or more if there are few."""
-        record = np.asarray(self.train_state.record)
-        labels, first = np.unique(record, return_index=True)
-        labels = labels[np.argsort(first)]
-        blocks = pieces if len(labels) >= fewest else max(pieces, int(np.ceil(4 / max(len(labels), 1))))
-        fold = np.zeros(len(record), dtype=int)
-        for i, label in enumerate(labels):
-            index = np.flatnonzero(record == label)
-            fold[index] = i * blocks + np.arange(len(index)) * blocks // len(index)
-        return fold
+        return blocks_of(self.train_state.time, np.asarray(self.train_state.record))
 
     @cached_property
     def mass_squares(self) -> np.ndarray:
@@ -405,102 +377,3 @@ class Problem:
         robot = self.robot
         given = (robot.coulomb_positive, robot.coulomb_negative, robot.viscous, robot.armature)
         return np.where([g[axis] != 0 for g in given], wide, ABSENT * wide)
-
-
-def build_problem(recording: Recording, robot: Robot, settings: Settings, measured: Measured | None = None) -> Problem:
-    """Set up the comparison of a split recording with `robot`; `measured` are its samples if already at hand."""
-    measured = measured or measure(recording)
-    moving = measured.usable
-    measured = leave_out_ringing(leave_out_reversals(measured), robot)
-    dynamics = Dynamics(robot)
-    q, v, a = measured.position, measured.velocity, measured.acceleration
-    regressor = inertial_regressor(dynamics, q, v, a)
-    # The tip is the frame in which a robot file gives the payload.
-    tip = to_joint_frame(robot, robot.joints - 1)
-    pulls = cache(lambda: gravity_regressor(robot, q))
-    last = regressor[:, :, -10:] @ tip
-    state = make_state(
-        robot,
-        q,
-        v,
-        a,
-        np.array(dynamics.rigid_body_torque(q, v, a)) if len(q) else q,
-        time=measured.time,
-        temperature=measured.temperature,
-        record=measured.trajectory,
-        tip_regressor=lambda: last,
-        gravity_regressor=pulls,
-        wind_up_regressor=wind_up_regressor(dynamics, q, pulls),
-    )
-    state = replace(
-        state,
-        torque_kind=recording.torque_kind,
-        encoder_side=recording.encoder_side,
-        passes=measured.passes,
-        derives=measured.derives,
-    )
-    nominal = state.torque + effect_torque(robot, state)
-    train = np.isin(measured.trajectory, recording.train)
-    factor = prior_factor(robot, settings.inertial_prior)
-    inertial = regressor @ factor
-    moving_train, missing = measured.usable & train[:, None], measured.torque - nominal
-    stuck = sticking(moving_train, v, a, missing, inertial, settings.noise_sigmas)
-    measured = replace(measured, usable=measured.usable & ~stuck)
-    judged = measured.usable & train[:, None]
-    built_up = built_up_anywhere(
-        judged,
-        measured.trajectory,
-        q,
-        v,
-        a,
-        missing,
-        inertial,
-        robot.coulomb(v),
-        settings.accept,
-        settings.form_error,
-    )
-    measured = with_whole_friction(measured, built_up, settings.usual)
-    counts = np.sum(measured.usable[train], axis=0)
-    return Problem(
-        robot=robot,
-        dynamics=dynamics,
-        settings=settings,
-        measured=measured,
-        state=state,
-        train=train,
-        test=np.isin(measured.trajectory, recording.test),
-        discrepancy=measured.torque - nominal,
-        regressor=regressor,
-        factor=factor,
-        inertial=inertial,
-        smear=_smear(measured, state),
-        moving=moving,
-        judged=tuple(int(j) for j in np.flatnonzero(counts >= FEWEST_SAMPLES)),
-        positions=tuple(recording.position.T),
-        encoder_step=recording.encoder_step,
-        built_up=tuple(built_up),
-    )
-
-
-#: Shares of the filter's cut-off at which its effect on the torque is offered to the base regression.
-SMEAR = (1.0, 0.7, 0.5)
-
-
-def _smear(measured: Measured, state: State) -> np.ndarray:
-    """Return what low-pass filters near the one behind the derivatives do to the rigid-body torque, (N, n, 3).
-
-    A zero-phase filter rounds the corners of the acceleration. To first order the rounding looks like that of a
-    slightly lower cut-off, so the base regression can take it off before it is mistaken for a delay.
-    """
-    rigid = state.load + state.drive.armature * state.acceleration
-    result = np.zeros((*rigid.shape, len(SMEAR)))
-    if measured.fitted:
-        # Knots were added to splines until they left no more than noise.
-        return result
-    for axis, cutoff in enumerate(measured.cutoff):
-        if np.isfinite(cutoff):
-            column = rigid[:, [axis]]
-            for k, share in enumerate(SMEAR):
-                rounded = limit(column, measured.trajectory, share * cutoff, measured.rate)
-                result[:, [axis], k] = rounded - column
-    return result

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.linear import least_squares, posterior_mean
-from jointwear.discovery.problem.problem import FRICTION, FoundMotors, Problem, build_problem
+from jointwear.discovery.problem.problem import FRICTION, FoundMotors, Problem
+from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.settings import Settings
 from jointwear.measurement.derived.motion import Measured, measure
 from jointwear.measurement.recording import Recording

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.estimates.outcome import Outcome, Refusal
-from jointwear.discovery.problem.problem import FEWEST_SAMPLES, Problem
+from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.problem.setting_up import FEWEST_SAMPLES
 from jointwear.discovery.search.carried import search_beside
 from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.search.searches import search, whitened
