@@ -9,23 +9,18 @@ from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
 from jointwear.discovery.model import retuned
-from jointwear.discovery.model.link_masses import moving_bodies, unlikely_masses
+from jointwear.discovery.model.link_masses import moving_bodies
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.verdict import Retuned
 from jointwear.robots.robot import robot_from_data
 from jointwear.robots.robot_file import read_robot_file
 
 
-@pytest.mark.parametrize(
-    ("value", "words"), [(3.0, "a body of 1 kg that moves with it"), (1.2, "0.8 kg that the robot file")]
-)
-def test_an_unlikely_mass_is_told_as_a_body_that_may_exist(value, words):
+@pytest.mark.parametrize("value", [3.0, 1.2])
+def test_an_unlikely_mass_is_a_body_that_may_exist(value):
     one = Retuned("link_mass", 2, 2.0, value, 0.01, "kg")
-    (told,) = unlikely_masses([one], Settings())
-    assert words in told
-    assert "-" not in told
-    assert not unlikely_masses([replace(one, value=2.1)], Settings())
     assert [(b.link, b.mass) for b in moving_bodies([one], Settings())] == [(2, pytest.approx(value - 2.0))]
+    assert not moving_bodies([replace(one, value=2.1)], Settings())
 
 
 def test_parameters_of_a_joint_that_stays_unexplained_stand_in_for_it():

@@ -2,7 +2,8 @@
 
 import pytest
 
-from jointwear.discovery.findings import _above_the_noise, _noise_too_high, _with_told_floor
+from jointwear.discovery import findings
+from jointwear.discovery.findings import _above_the_noise, _noise_too_high, _with_told_floor, make_verdict
 from jointwear.discovery.presentation.page import (
     below_the_floor,
     body_in_words,
@@ -17,7 +18,7 @@ from jointwear.discovery.presentation.page import (
     what_follows,
 )
 from jointwear.discovery.search.leftovers import LINE
-from jointwear.discovery.verdict import Gap
+from jointwear.discovery.verdict import Gap, Retuned
 from jointwear.effects import library
 
 
@@ -79,11 +80,23 @@ def test_a_suspect_is_not_told_as_refused_too():
     assert refused_alone({"suspects": [one], "lost": [one, other]}) == [other]
 
 
-def test_a_body_that_would_explain_a_link_is_among_the_first_words(found):
-    content = {**found.data, "bodies": [{"link": 2, "mass": 2.58, "sigmas": 4.0}]}
-    told = [words for words in lead(content) if words.startswith("Link 2 came out 2.58 kg heavier")]
+@pytest.mark.parametrize(("mass", "way"), [(2.58, "heavier"), (-2.58, "lighter")])
+def test_a_body_that_would_explain_a_link_is_among_the_first_words(found, mass, way):
+    content = {**found.data, "bodies": [{"link": 2, "mass": mass, "sigmas": 4.0}]}
+    told = [
+        words for words in lead(content) if words.startswith(f"Link 2 came out 2.58 kg {way}, 4 standard deviations")
+    ]
     assert len(told) == 1
     assert not any(words.startswith("Link") for words in lead({**found.data, "bodies": []}))
+
+
+def test_a_body_that_would_explain_a_link_is_told_once(found, monkeypatch):
+    """Its sentence stood among the restrictions too."""
+    off = [Retuned("link_mass", 2, 2.0, 4.58, 0.01, "kg")]
+    monkeypatch.setattr(findings, "retuned_parameters", lambda final: off)
+    verdict = make_verdict("a", found.final, found.map, found.torques, [])
+    assert [body.link for body in verdict.bodies] == [2]
+    assert not any("mass" in words for words in verdict.restrictions)
 
 
 def test_an_elastic_gear_is_told_with_its_stiffness():

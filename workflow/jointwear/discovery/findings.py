@@ -10,7 +10,7 @@ import numpy as np
 from jointwear.discovery.estimates.effect_estimates import Estimate
 from jointwear.discovery.estimates.outcome import Outcome, Refusal, Unexplained
 from jointwear.discovery.model.final_model import Final
-from jointwear.discovery.model.link_masses import moving_bodies, unlikely_masses
+from jointwear.discovery.model.link_masses import moving_bodies
 from jointwear.discovery.model.noise_floor import floor_with_names
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
 from jointwear.discovery.model.told_fallbacks import told_fallbacks
@@ -116,7 +116,6 @@ def make_verdict(
             *beyond_the_time(problem, written),
             *beyond_the_temperature(problem, written),
             *stands_in(retuned, {*(u.axis for u in left), *(axis - 1 for axis in in_bursts)}),
-            *unlikely_masses(retuned, problem.settings),
         ),
         above_the_noise=above,
         noise_untold=untold,

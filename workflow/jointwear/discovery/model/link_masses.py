@@ -109,18 +109,3 @@ def moving_bodies(retuned: list[Retuned], settings: Settings) -> tuple[MovingBod
         if sigmas > settings.mass_sigmas:
             found.append(MovingBody(one.axis, six_digits(one.value - one.nominal), six_digits(sigmas)))
     return tuple(found)
-
-
-def unlikely_masses(retuned: list[Retuned], settings: Settings) -> list[str]:
-    """Return a sentence for each link mass that the inertial prior hardly allows: a body at the link does the same."""
-    return [
-        f"the mass of link {one.link} is {one.sigmas:.2g} standard deviations of its prior off; {_in_words(one)} "
-        "would explain the same"
-        for one in moving_bodies(retuned, settings)
-    ]
-
-
-def _in_words(body: MovingBody) -> str:
-    if body.mass > 0:
-        return f"a body of {body.mass:.3g} kg that moves with it, as a payload does,"
-    return f"a body of {-body.mass:.3g} kg that the robot file has there and the robot has not"

@@ -112,8 +112,8 @@ def _bodies(content: Mapping[str, Any]) -> list[str]:
         way = "heavier" if more else "lighter"
         there = "that moves with it, as a payload does," if more else "that is in the robot file alone"
         told.append(
-            f"Link {body['link']} came out {mass} kg {way}, which its prior hardly allows: a body of that mass {there} "
-            "would explain the same."
+            f"Link {body['link']} came out {mass} kg {way}, {body['sigmas']:.2g} standard deviations of its prior: a "
+            f"body of that mass {there} would explain the same."
         )
     return told
 
