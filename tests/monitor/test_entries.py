@@ -151,3 +151,18 @@ def test_a_name_is_short_enough_for_a_file():
     with pytest.raises(InputError, match=r"a name of 300 characters \(allowed: up to 100") as error:
         check_robots({"monitor": {"robots": {"x" * 300: entry}}})
     assert len(str(error.value)) < 200
+
+
+@pytest.mark.parametrize(("robots", "words"), [(1, "'a0'$"), (2, "'a0' and 'a1'$"), (7, "'a3', 'a4' and 2 more$")])
+def test_a_robot_file_that_is_wrong_is_told_with_the_robots_that_have_it(tmp_path, robots, words):
+    """Of a joint of a forbidden kind nobody could say whose it was in a fleet."""
+    flat = '<joint name="elbow" type="planar"><parent link="base"/><child link="upper"/></joint>'
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm"><link name="base"/><link name="upper"/>{flat}</robot>')
+    (tmp_path / "arm.yaml").write_text("name: arm\nurdf: arm.urdf\n")
+    sound = {"logs": ["logs/*.csv"], "robot": str(ROBOT), "baseline": {"windows": 8}}
+    wrong = {f"a{k}": {**sound, "robot": str(tmp_path / "arm.yaml")} for k in range(robots)}
+    told = rf"arm\.urdf: joint 'elbow' \(planar\); only .*arm\.yaml is the robot file of .*{words}"
+    with pytest.raises(InputError, match=told) as error:
+        check_robots({"monitor": {"robots": {"sound": sound, **wrong}}})
+    assert "sound" not in str(error.value)
+    assert "\n" not in str(error.value)

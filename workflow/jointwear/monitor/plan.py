@@ -21,7 +21,7 @@ from typing import Any
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.patterns import matches
 from jointwear.files.regular_files import broken_link, nearest_file
-from jointwear.files.wording import count
+from jointwear.files.wording import count, listed
 from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
 from jointwear.measurement.log_kinds import FORMATS, is_folder_like_log, log_format, log_sources, unpacked
 from jointwear.measurement.timestamps import LATEST, meant, moment_of
@@ -42,6 +42,8 @@ _ALIKE = (*_COLUMNS, "robot", "use_learned")
 BATCH_BYTES = 8e6
 #: Longest name of a robot [characters]: with an ending it is that of a file, which some systems end at 143.
 LONGEST_NAME = 100
+#: Robots that a message names before it counts the others.
+MOST_NAMES = 5
 #: Shortest and longest length of time [s] in a config: a stroke of an arm, and the life of one.
 SHORTEST, LONGEST = 1.0, 3650 * 86400.0
 _SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
@@ -222,7 +224,10 @@ def check_robots(config: Mapping[str, Any]) -> None:
                 f"'urdf: {path.name}' and the drives"
             )
         zone = zone_of(entry.get("time_zone"), f"{where}.time_zone")
-        robot = read_once(path)
+        try:
+            robot = read_once(path)
+        except InputError as error:
+            raise InputError(f"{error}; {_robots_of(path, config)}") from None
         for source in robot_sources(entry["robot"])[1:]:
             if not Path(source).is_file():
                 raise InputError(f"{path}: 'urdf' names {source}, which does not exist")
@@ -259,6 +264,14 @@ def check_robots(config: Mapping[str, Any]) -> None:
             raise InputError(
                 f"config: '{where}.baseline.from' is {shown(borders[0])}, not before 'until', {shown(borders[1])}"
             )
+
+
+def _robots_of(path: Path, config: Mapping[str, Any]) -> str:
+    """Return in words which monitored robots have a robot file; some of them where they are many."""
+    names = [name for name, entry in config["monitor"]["robots"].items() if Path(entry["robot"]) == path]
+    more = [f"{len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
+    told = listed([*(f"'{name}'" for name in names[:MOST_NAMES]), *more])
+    return f"{path} is the robot file of {told}"
 
 
 def _check_to_come(entry: Mapping[str, Any]) -> None:
