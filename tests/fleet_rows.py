@@ -1,6 +1,8 @@
 """Rows of a fleet as the judgement of its robots leaves them."""
 
 from jointwear.monitor.findings.findings import fell_words
+from jointwear.monitor.fleet.page import robot_item
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNJUDGED, UNRESOLVED
 from jointwear.monitor.presentation.standing import NOTHING
 
@@ -42,3 +44,9 @@ def fall(axis, days=0, **more):
 def began(days, judged_after=4.0):
     told = {"time": NOW - days * DAY, "axes": [], "kind": "program", "words": "A program began.", "ran": 6.0}
     return {**told, "judged_after": judged_after}
+
+
+def findings_on_card(row):
+    """Findings that the page of the fleet shows of a robot, those that ask for something before its notes."""
+    item = robot_item(row, zone_of(None), "robots")
+    return [*item["open"], *item["notes"]]

@@ -5,7 +5,7 @@ import re
 from types import SimpleNamespace
 
 import pytest
-from fleet_rows import DAY, NOW, axis, began, fall, robot
+from fleet_rows import DAY, NOW, axis, began, fall, findings_on_card, robot
 
 from jointwear.monitor.findings.findings import fell_words
 from jointwear.monitor.findings.loud import LOUD
@@ -49,7 +49,7 @@ def test_spells_that_are_over_are_told_once_and_last():
         (3, "Tue 2025-12-30: Spell 2. It was so 2 times before."),
     ):
         row = as_of(robot("arm", findings=[*spells[:count], scale]), NOW)
-        assert robot_item(row, zone_of(None), "robots")["findings"] == ["Fri 2025-12-12: The scale changed.", told]
+        assert findings_on_card(row) == ["Fri 2025-12-12: The scale changed.", told]
 
 
 def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
@@ -124,7 +124,7 @@ def test_a_position_that_stands_still_comes_before_what_follows_from_it():
     stopped = {"time": NOW - DAY, "end": NOW, "axes": [2], "kind": STOPPED, "words": "The position of axis 2 stays."}
     loud = {"time": NOW - DAY / 2, "axes": [3], "kind": LOUD, "words": "The torque of axis 3 grew uneven."}
     row = as_of(robot("arm", findings=[loud, stopped]), NOW)
-    assert "stays" in robot_item(row, zone_of(None), "robots")["findings"][0]
+    assert "stays" in findings_on_card(row)[0]
     assert "stays" in table_row(row)["what_to_check"]
 
 
@@ -134,7 +134,7 @@ def test_what_is_to_be_mended_comes_before_what_is_only_told():
     uneven = {"time": NOW - 8 * DAY, "axes": [2], "kind": "uneven", "words": "The torque of axis 2 grew uneven."}
     shared = {"time": NOW - DAY, "axes": [], "kind": "shared", "words": "All axes moved together."}
     row = as_of(robot("arm", findings=[shared, began(2), missing, uneven]), NOW)
-    assert robot_item(row, zone_of(None), "robots")["findings"] == [
+    assert findings_on_card(row) == [
         "Wed 2025-12-24: The torque of axis 2 grew uneven.",
         "Tue 2025-12-23: No torque of axis 3.",
         "Wed 2025-12-31: All axes moved together.",
@@ -175,7 +175,7 @@ def test_axes_whose_limit_cannot_be_seen_take_one_sentence():
     ]
     other = {"time": NOW - DAY, "axes": [3], "kind": "proposed_service", "words": "Friction of axis 3 fell"}
     row = as_of(robot("x", findings=[*coarse[:2], other, coarse[2]]), NOW)
-    service, told = robot_item(row, zone_of(None), "robots")["findings"]
+    service, told = findings_on_card(row)
     assert told.startswith("Of axes 1, 2 and 4 only changes above 20 to 33 % can be seen")
     assert service == "Wed 2025-12-31: Friction of axis 3 fell"
     assert [f["words"] for f in told_together([coarse[0], other])] == ["axis 4", "Friction of axis 3 fell"]
@@ -194,7 +194,7 @@ def test_axes_without_friction_at_one_time_take_one_sentence():
 def test_what_asks_for_an_answer_is_not_crowded_out():
     programs = [began(1), began(2, None), began(3)]
     row = as_of(robot("arm", findings=[fall(5, 9), *programs, fall(1, 9), fall(2, 8)]), NOW)
-    newest, both, program = robot_item(row, zone_of(None), "robots")["findings"]
+    newest, both, program = findings_on_card(row)
     assert newest.startswith("Wed 2025-12-24: Friction of axis 2 fell: was it serviced")
     assert both.startswith("Tue 2025-12-23: Friction of axes 1 and 5 fell: were they serviced")
     assert program.startswith(
@@ -208,24 +208,24 @@ def test_products_that_came_again_and_again_take_one_sentence():
         return {**told, "judged": judged}
 
     row = as_of(robot("arm", findings=[product(3, [1, 6]), product(1, [2, 3, 4], False), product(2, [1, 6])]), NOW)
-    (told,) = robot_item(row, zone_of(None), "robots")["findings"]
+    (told,) = findings_on_card(row)
     assert told.startswith("Wed 2025-12-31: The torque changed at once 3 times, as with parts that")
     assert "(axes 1 and 6; axes 2, 3 and 4), the first 2 days before the last:" in told
     assert told.endswith("; with 1 of them most axes cannot be judged yet.")
     row["findings"] = row["findings"][:1]
-    assert robot_item(row, zone_of(None), "robots")["findings"] == ["Mon 2025-12-29: The torque changed."]
+    assert findings_on_card(row) == ["Mon 2025-12-29: The torque changed."]
 
 
 def test_an_alarm_that_was_open_under_another_program_is_told_first():
     told = {"time": NOW - 9 * DAY, "axes": [2], "kind": OPEN_ALARM, "words": "An alarm was open."}
     newer = [{"time": NOW - k * DAY, "axes": [], "kind": "shared", "words": f"Told {k}."} for k in range(4)]
     row = as_of(robot("arm", findings=[*newer, told]), NOW)
-    assert robot_item(row, zone_of(None), "robots")["findings"][0].endswith(": An alarm was open.")
+    assert findings_on_card(row)[0].endswith(": An alarm was open.")
 
 
 def test_what_an_event_has_answered_is_no_more_to_check():
     row = as_of(robot("arm", findings=[fall(5, 9, answered=True), fall(1, 9)]), NOW)
-    (told,) = robot_item(row, zone_of(None), "robots")["findings"]
+    (told,) = findings_on_card(row)
     assert "Friction of axis 1 fell" in told
     # The page of the robot keeps both, each by itself.
     assert [f["axes"] for f in told_together(row["findings"])] == [[5], [1]]
@@ -233,7 +233,7 @@ def test_what_an_event_has_answered_is_no_more_to_check():
 
 def test_one_program_and_logs_without_a_date_stay_as_they_are():
     row = as_of(robot("arm", findings=[began(1), fall(2)], dated=False), NOW)
-    assert robot_item(row, zone_of(None), "robots")["findings"] == [fell_words([2]), "A program began."]
+    assert findings_on_card(row) == [fell_words([2]), "A program began."]
 
 
 def test_logs_that_are_not_there_are_none_of_those_that_are(built_fleet):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fleet_rows import DAY, FLEET, NOW, axis, began, robot
+from fleet_rows import DAY, FLEET, NOW, axis, began, findings_on_card, robot
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,7 +35,7 @@ def test_what_cannot_be_judged_of_backlash_is_nothing_to_check():
     ]
     row = as_of(robot("arm", findings=found), NOW)
     item = robot_item(row, zone_of(None), "robots")
-    assert item["findings"] == ["Wed 2025-12-31: The scale changed."]
+    assert findings_on_card(row) == ["Wed 2025-12-31: The scale changed."]
     # Somebody has to say what was done to it.
     assert (row["urgency"], item["check"]) == (
         "needs an entry under events",
@@ -67,7 +67,7 @@ def test_an_axis_over_its_limit_without_an_alarm_is_not_called_healthy():
     row = as_of(robot("arm", axis(5, over=told), findings=[began(1)]), NOW)
     item = robot_item(row, zone_of(None), "robots")
     assert item["urgency"] == "needs an entry under events"
-    assert item["findings"][0] == f"Axis 5: {told}"
+    assert findings_on_card(row)[0] == f"Axis 5: {told}"
     assert as_of(robot("arm", axis(5, over="")), NOW)["urgency"] == "healthy"
 
 

@@ -76,7 +76,6 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "mends": _mends(row),
         "refusals": _refusals(row),
         "more_refused": row["refused_logs"] - len(row["refusals"]) if row["refusals"] else 0,
-        "findings": [words for words, _ in shown],
         "open": [words for words, note in shown if not note],
         "notes": [words for words, note in shown if note],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
