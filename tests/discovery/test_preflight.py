@@ -12,6 +12,8 @@ from discovery_cases import make_case, wave
 from jointwear.discovery import Settings, posing
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.preflight import check_data, write_check
+from jointwear.discovery.stages import discover_dataset
+from jointwear.files.errors import InputError
 from jointwear.measurement.recording import split
 from jointwear.measurement.recording_files import write_recording
 from jointwear.measurement.refused import Refused
@@ -52,6 +54,18 @@ def test_the_check_of_a_wrong_recording_says_so_and_stops_nothing(case, robot, t
     write_check("case", entry, "config/robots/puma560.yaml", Settings(), *outputs)
     assert "look like degrees" in json.loads(outputs[0].read_text())["refused"]
     assert "look like degrees" in outputs[1].read_text()
+
+
+@pytest.mark.parametrize("units", [{"position": "deg"}, {"position": "furlong"}])
+def test_the_check_and_discovery_refuse_in_the_same_words(case, tmp_path, units):
+    write_recording(split(case), tmp_path / "case.nc", {"dataset": "case"})
+    entry, robot = {"measured": str(tmp_path / "case.nc"), "units": units}, "config/robots/puma560.yaml"
+    with pytest.raises(InputError):
+        discover_dataset("case", entry, robot, tmp_path)
+    write_check("case", entry, robot, Settings(), tmp_path / "check.json", tmp_path / "check.html")
+    refused, check = (json.loads((tmp_path / name).read_text()) for name in ("refused.json", "check.json"))
+    assert refused["reason"] == check["refused"] != ""
+    assert refused["suggestion"] == check["suggestion"] != ""
 
 
 def test_the_page_has_shares_in_percent_and_other_sizes_in_their_unit(case, robot, tmp_path):

@@ -33,6 +33,7 @@ from jointwear.measurement.checks.turned_signs import IN_DOUBT
 from jointwear.measurement.derived.even_steps import usual_step
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
+from jointwear.measurement.refused import what_mends
 from jointwear.measurement.units import POSITION_WORDS, spelled
 from jointwear.publishing.report.numbers import number
 from jointwear.publishing.report.rendering import render_page
@@ -279,8 +280,7 @@ def write_check(
         check_effects(arm)
         found = check_data(load_recording(entry, name), arm, settings)
     except InputError as error:
-        suggestion = getattr(error, "suggestion", "mend the entry or the file that the reason names")
-        found = DataCheck(name, str(error), suggestion)
+        found = DataCheck(name, str(error), what_mends(error))
     replace_text(output, found.to_json())
     seen = {s.effect for s in found.shown}
     hidden = dict.fromkeys(s.effect for s in [*found.pairs, *found.not_shown] if s.effect not in seen)

@@ -24,6 +24,7 @@ from jointwear.files.json_values import six_digits
 from jointwear.files.storage import Variable, write_dataset
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.recording_files import load_recording, write_recording
+from jointwear.measurement.refused import what_mends
 from jointwear.robots.robot import load_robot
 
 #: Files of one data set, in its folder.
@@ -59,11 +60,7 @@ def discover_dataset(
         # A page without the verdict that it shows would be read as that of this data.
         for stale in (VERDICT, PAGE):
             (folder / stale).unlink(missing_ok=True)
-        content = {
-            "dataset": name,
-            "reason": str(error),
-            "suggestion": getattr(error, "suggestion", "mend the entry or the file that the reason names"),
-        }
+        content = {"dataset": name, "reason": str(error), "suggestion": what_mends(error)}
         replace_text(refused, json.dumps(content, indent=1) + "\n")
         raise
     settings = {"dataset": name, **entry}

@@ -20,3 +20,8 @@ class Refused(InputError):
     def __init__(self, reason: str, suggestion: str, by_keys: bool = False) -> None:
         super().__init__(reason)
         self.reason, self.suggestion, self.by_keys = reason, suggestion, by_keys
+
+
+def what_mends(error: InputError) -> str:
+    """Return what mends a data set that is refused: what its refusal suggests, or where to look."""
+    return getattr(error, "suggestion", "mend the entry or the file that the reason names")
