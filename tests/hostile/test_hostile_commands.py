@@ -113,6 +113,24 @@ def test_the_configuration_of_the_folder_is_read_by_this_workflow_alone(project,
     assert not list(project.glob("**/executed"))
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("", "config.yaml: is empty"), ("seed: 7\nwear:\n\tshape: 1\n", "config.yaml: line 3: begins with")],
+)
+@pytest.mark.parametrize("profile", [(), ("--workflow-profile", "none")])
+def test_a_slip_in_the_configuration_of_the_folder_is_told_with_its_file(project, profile, text, words):
+    """Of a file that is given as --configfile Snakemake says it before this workflow is asked, without a name."""
+    path = project / "config/config.yaml"
+    kept = path.read_text()
+    path.write_text(text)
+    try:
+        done = run(project, *profile)
+    finally:
+        path.write_text(kept)
+    assert done.returncode == 1
+    assert words in last_line(done)
+
+
 def test_a_pipe_for_a_robot_does_not_hang(project):
     os.mkfifo(project / "pipe.yaml")
     (project / "mine.yaml").write_text("name: mine\nurdf: pipe.yaml\n")
