@@ -21,7 +21,7 @@ OTHERS = {
         structure.FEWEST_KNOTS structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS residual_lines.FASTEST_CHIRP
         residual_lines.SLOW_SWEEP residual_lines.WIDEST_SWEEP residual_lines.COARSER encoder_step.NEAREST
         encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
-        gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST gear_waves.STEPS noise.POINTS
+        gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST_WAVES gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
         bursts.LOUDEST building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
@@ -41,11 +41,11 @@ OTHERS = {
         curvature.GAINED
     """,
     "the fewest samples of a statistic": """
-        encoder_step.FEWEST instruments.SHORT noise_spectrum.FEWEST_ROWS
+        encoder_step.FEWEST_POSITIONS instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise.ORDER_BESIDE_GAPS noise.LEFT_BY_ORDER slow_noise.FEW_SAMPLES
         noise_spectrum.FEWEST_OF_RECORD setting_up.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
-        shared_drives.FEWEST shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST noise.FEWEST
-        noise.FEWEST_EACH residual_lines.FEWEST bursts.FEWEST
+        shared_drives.FEWEST_STUCK shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST_PIECES
+        noise.FEWEST_OF_MODEL noise.FEWEST_EACH residual_lines.FEWEST_OF_RECORD bursts.FEWEST_CHANGES
     """,
     "rounding, of numbers and of their digits in a log": """
         base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL

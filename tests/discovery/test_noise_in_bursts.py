@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jointwear.discovery.findings import _noise_in_bursts, _without_bursts
-from jointwear.discovery.noise.bursts import FEWEST, heaviest_noise, loudest_share, rings
+from jointwear.discovery.noise.bursts import FEWEST_CHANGES, heaviest_noise, loudest_share, rings
 from jointwear.discovery.presentation.page import heading, lead
 from jointwear.discovery.verdict import Gap
 
@@ -61,7 +61,7 @@ def test_neither_a_large_noise_nor_small_bursts_ring(rng, motion):
 
 
 def test_few_samples_say_nothing(rng, motion):
-    few = np.arange(COUNT) < FEWEST
+    few = np.arange(COUNT) < FEWEST_CHANGES
     assert not rings(2.4, 2.4 * ringing(rng), motion, few, ONE)
     assert not rings(2.4, 2.4 * ringing(rng), motion, ~ALL, ONE)
     assert loudest_share(np.zeros(COUNT), ALL, ONE) == 0.0

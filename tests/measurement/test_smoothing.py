@@ -5,7 +5,7 @@ import pytest
 
 from jointwear.measurement.derived.filtering import low_pass
 from jointwear.measurement.derived.motion import measure
-from jointwear.measurement.derived.smoothing import CLEAR, END, LONGEST_END, smooth
+from jointwear.measurement.derived.smoothing import CLEAR_OF_END, END, LONGEST_END, smooth
 from jointwear.measurement.recording import Recording
 
 STEP = 2e-5
@@ -105,7 +105,7 @@ def test_ends_are_left_out_on_all_joints_by_the_widest_knots_up_to_a_longest_tim
         found = measure(recording(time, shaken))
         assert found.fitted
         spacing = 0.5 / found.cutoff
-        clear = int(200.0 * min(CLEAR * spacing.max(), LONGEST_END))
+        clear = int(200.0 * min(CLEAR_OF_END * spacing.max(), LONGEST_END))
         for joint in (0, 1):
             edge = max(clear, int(200.0 * END * spacing[joint]))
             assert not found.usable[:edge, joint].any()

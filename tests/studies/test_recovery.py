@@ -32,7 +32,7 @@ from jointwear.studies.recovery.ensemble import (
 from jointwear.studies.recovery.export import export_experiment, typical_solution
 from jointwear.studies.recovery.fit import ExplanationFit, describe, extended, read_fit, write_fit
 from jointwear.studies.recovery.least_squares import minimise
-from jointwear.studies.recovery.plan import ALIKE, NOTHING, candidate_names
+from jointwear.studies.recovery.plan import NOT_TOLD_APART, NOTHING, candidate_names
 from jointwear.studies.recovery.prediction import agreement
 from jointwear.studies.recovery.problem import TableProblem, TableSettings, pauses_at_instants
 from jointwear.studies.recovery.sample_statistics import coefficient_of_variation, expected_maximum
@@ -189,7 +189,7 @@ def test_segment_time_from_which_a_torque_is_reachable():
 
 
 def test_names_need_no_numpy_and_match_the_components():
-    assert list(ALIKE) == list(COMPONENTS)
+    assert list(NOT_TOLD_APART) == list(COMPONENTS)
     assert len(candidate_names()) == len(set(candidate_names())) == 1 + 8 + 27
     code = "import sys, jointwear.studies.recovery.plan; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT / "workflow", check=False).returncode == 0

@@ -38,7 +38,7 @@ QUICK = {"replicates": (10, 30, 100), "readings": (10, 30), "robots": (1, 4)}
 HOURS = 48  # of logs that every robot of the fleet brings
 ARMS = 20  # different simulated arms, used in turn
 PLANNED = 10_000
-FEWEST, SIMULATIONS = 60, 16  # readings of the smallest design; simulations that readings share
+FEWEST_READINGS, SIMULATIONS = 60, 16  # readings of the smallest design; simulations that readings share
 
 
 def replicates(count: int, folder: Path) -> None:
@@ -64,7 +64,7 @@ def readings(count: int, folder: Path) -> None:
     config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     default = default_reading(config["reading"], config["wear"]["shape"], config["detection"]["consecutive_hours"])
     # A design needs one reading for every alternative; of a smaller number the first are taken.
-    points = build_design(dimensions(default), max(count, FEWEST), 0, SIMULATIONS, config["seed"])[:count]
+    points = build_design(dimensions(default), max(count, FEWEST_READINGS), 0, SIMULATIONS, config["seed"])[:count]
     settings = {
         "seed": config["seed"],
         "noise": config["noise"],

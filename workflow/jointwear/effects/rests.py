@@ -13,7 +13,7 @@ from jointwear.statistics.runs import runs
 SLOW = 0.015
 #: Fewest samples of a stop, and the most of :data:`SLOW` that half of them may reach: what turns without a stop passes
 #: through evenly, so that half of its samples are faster than one half.
-FEWEST, STILL = 3, 1 / 3
+FEWEST_OF_STOP, STILL = 3, 1 / 3
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def sense_of(velocity: np.ndarray, records: list[slice]) -> np.ndarray:
     sense = np.sign(velocity)
     result, slow = sense.copy(), np.abs(velocity) < SLOW
     for record in records:
-        for way in runs(sense[record], record.start, longest=FEWEST - 1):
+        for way in runs(sense[record], record.start, longest=FEWEST_OF_STOP - 1):
             if slow[way].all():
                 result[way] = 0.0
     for _, stop in _stops(velocity, records):
@@ -81,7 +81,7 @@ def _stops(velocity: np.ndarray, records: list[slice]) -> Iterator[tuple[slice, 
     """Yield the record and the samples of every stop, those with which a record begins or ends among them."""
     slow = np.abs(velocity) < SLOW
     for record in records:
-        for part in runs(slow[record], record.start, shortest=FEWEST):
+        for part in runs(slow[record], record.start, shortest=FEWEST_OF_STOP):
             if not slow[part.start]:
                 continue
             speeds = np.sort(np.abs(velocity[part]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from jointwear.files.errors import InputError
 
 #: Samples of a joint in motion below which it is not asked: a few parameters are fitted to them.
-FEWEST = 40
+FEWEST_OF_JOINT = 40
 
 
 class Refused(InputError):

@@ -15,7 +15,7 @@ import numpy as np
 #: Share of the changes from sample to sample that are the loudest: one in twenty.
 LOUDEST = 0.05
 #: Changes from sample to sample of which the loudest say something.
-FEWEST = 200
+FEWEST_CHANGES = 200
 #: Times what a torque varies by from which noise hides it: half.
 HIDES = 0.5
 
@@ -23,7 +23,8 @@ HIDES = 0.5
 def loudest_share(residual: np.ndarray, usable: np.ndarray, record: np.ndarray) -> float:
     """Return the share of the power of all changes from sample to sample that the loudest of them hold, 0 to 1.
 
-    Of normal noise of one size it is 0.28, whatever its colour. It is 0 where fewer than :data:`FEWEST` are known.
+    Of normal noise of one size it is 0.28, whatever its colour. It is 0 where fewer than :data:`FEWEST_CHANGES`
+    are known.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ def loudest_share(residual: np.ndarray, usable: np.ndarray, record: np.ndarray) 
     """
     both = usable[1:] & usable[:-1] & (np.diff(record) == 0)
     power = np.sort(np.diff(residual)[both] ** 2)
-    if len(power) < FEWEST or power[-1] <= 0.0:
+    if len(power) < FEWEST_CHANGES or power[-1] <= 0.0:
         return 0.0
     return float(power[-round(LOUDEST * len(power)) :].sum() / power.sum())
 

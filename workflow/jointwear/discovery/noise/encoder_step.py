@@ -8,7 +8,7 @@ from jointwear.files.json_values import six_digits
 
 #: Fewest different positions that a step is told from, most steps that may lie between the two that are nearest, and
 #: share of the positions that must be multiples of it, to a share of a step.
-FEWEST, NEAREST, NEARLY_ALL, CLOSE = 20, 16, 0.98, 0.05
+FEWEST_POSITIONS, NEAREST, NEARLY_ALL, CLOSE = 20, 16, 0.98, 0.05
 #: Steps that gaps may hold from which a step is told, one after the other.
 WIDER = (16, 256, 4096)
 #: Multiple of the spacing of floats that is no step of an encoder but of the numbers themselves, and step [rad] finer
@@ -35,7 +35,7 @@ def encoder_step(values: np.ndarray) -> float | None:
     from sample to sample still visits neighbours.
     """
     known = np.unique(values[np.isfinite(values)])
-    if len(known) < FEWEST:
+    if len(known) < FEWEST_POSITIONS:
         return None
     spacing = np.spacing(np.float64(np.abs(known).max()))
     if np.array_equal(known, known.astype(np.float32)):
@@ -43,7 +43,7 @@ def encoder_step(values: np.ndarray) -> float | None:
     gaps = np.diff(known)
     # One number that was worked out in two ways is two floats.
     gaps = gaps[gaps > FLOATS * spacing]
-    if len(gaps) < FEWEST - 1:
+    if len(gaps) < FEWEST_POSITIONS - 1:
         return None
     for parts in range(1, NEAREST + 1):
         step = _fitted(gaps, gaps.min() / parts)

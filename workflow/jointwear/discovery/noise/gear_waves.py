@@ -13,7 +13,7 @@ from jointwear.discovery.structure import KNOTS, STILL
 from jointwear.effects.motor_waves import ORDER, ORDERS
 
 #: Waves in the whole travel from which on one is not structure over the position, which has knots for fewer.
-FEWEST = KNOTS["position"] / 3
+FEWEST_WAVES = KNOTS["position"] / 3
 #: Waves that are looked for on one axis, those of whole orders included.
 MOST = 3
 #: Cells of the spectrum in the width of a line, and samples of the angle in the fastest wave.
@@ -53,13 +53,13 @@ def gear_orders(
     travel = float(np.ptp(angle))
     gear = abs(gear_ratio)
     fastest = min(fastest, ORDER.upper * gear)
-    if travel < STILL or fastest * travel < 4 * np.pi * FEWEST:
+    if travel < STILL or fastest * travel < 4 * np.pi * FEWEST_WAVES:
         return ()
     size = 2 ** int(np.ceil(np.log2(SAMPLES * CELLS * fastest * travel / (2 * np.pi))))
     place = np.floor((angle - angle.min()) / (CELLS * travel) * size).astype(int)
     # The fastest wave lies below a quarter of the rate; the cells beyond are those around it.
     waves = 2 * np.pi * np.arange(min(size // 2, size // SAMPLES + SURROUNDINGS)) / (CELLS * travel)
-    asked = (waves >= 2 * np.pi * FEWEST / travel) & (waves <= fastest)
+    asked = (waves >= 2 * np.pi * FEWEST_WAVES / travel) & (waves <= fastest)
     heights = (np.ones(len(residual)), torque / max(float(np.sqrt(np.mean(torque[used] ** 2))), 1e-300))
     left, noise = take_off(residual), None
     found: list[float] = []

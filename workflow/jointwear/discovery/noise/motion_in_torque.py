@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.discovery.noise.spectra import FEWEST, density_of, frequencies, pieces_of
+from jointwear.discovery.noise.spectra import FEWEST_PIECES, density_of, frequencies, pieces_of
 
 
 def noise_in_torque(
@@ -31,7 +31,7 @@ def noise_in_torque(
     noise = np.array(derived, dtype=float)
     for axis in range(len(noise)):
         pieces = pieces_of(usable[:, axis], record, rate)
-        if len(pieces) >= FEWEST:
+        if len(pieces) >= FEWEST_PIECES:
             noise[axis] = np.minimum(noise[axis], density_of(residual[:, axis][pieces], rate))
     return noise
 
@@ -51,7 +51,7 @@ def motion_ends(
     ends, frequency = np.full(torque.shape[1], np.inf), frequencies(rate)
     for axis in range(len(ends)):
         pieces = pieces_of(usable[:, axis], record, rate)
-        if len(pieces) < FEWEST:
+        if len(pieces) < FEWEST_PIECES:
             continue
         most = np.flatnonzero(noise[axis] > density_of(torque[:, axis][pieces], rate) - noise[axis])
         if len(most):

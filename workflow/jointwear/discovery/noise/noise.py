@@ -19,7 +19,7 @@ WIDE = 32
 #: Samples after which noise that is drawn has settled.
 SETTLE = 200
 #: Samples that a noise model needs, in all and for each of its coefficients: with fewer its order is lower.
-FEWEST, FEWEST_EACH = 200, 30
+FEWEST_OF_MODEL, FEWEST_EACH = 200, 30
 #: Frequencies over which the gain of a noise model is taken.
 POINTS = 2049
 
@@ -114,7 +114,7 @@ def order_in_runs(usable: np.ndarray, trajectory: np.ndarray) -> int | None:
     order = next(
         (k for k in range(HIGHEST_ORDER, 0, -1) if len(whitenable(usable, trajectory, k)) >= LEFT_BY_ORDER * count), 0
     )
-    return order if order == HIGHEST_ORDER or count >= FEWEST else None
+    return order if order == HIGHEST_ORDER or count >= FEWEST_OF_MODEL else None
 
 
 def highest_order(usable: np.ndarray, trajectory: np.ndarray) -> int:
@@ -143,7 +143,7 @@ def estimate(
     the Bayesian information criterion on the same samples for all orders.
     """
     rows = whitenable(usable, trajectory, highest)
-    while highest and len(rows) < max(FEWEST, FEWEST_EACH * highest):
+    while highest and len(rows) < max(FEWEST_OF_MODEL, FEWEST_EACH * highest):
         highest -= 1
         rows = whitenable(usable, trajectory, highest)
     # One triangle holds the squares that are left at every order: what its last column holds from there on.

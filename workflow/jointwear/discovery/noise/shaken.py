@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.discovery.noise.spectra import FEWEST, frequencies, pieces_of, scale_of, spectra
+from jointwear.discovery.noise.spectra import FEWEST_PIECES, frequencies, pieces_of, scale_of, spectra
 
 #: Share of the residual that noise of derived accelerations is at most where it is asked what shakes the arm: half.
 DERIVED = 0.5
@@ -47,7 +47,7 @@ def shaken_shares(
     octave = np.frexp(frequency / assumed.slow())[1]
     for axis in range(len(shares)):
         pieces = pieces_of(usable[:, axis], record, rate)
-        if len(pieces) < FEWEST:
+        if len(pieces) < FEWEST_PIECES:
             continue
         left, moved = (spectra(x[:, axis][pieces]) for x in (residual, torque))
         scale = scale_of(pieces.shape[1], rate)

@@ -8,7 +8,7 @@ import numpy as np
 #: can be judged end at reversals, and at a low rate are short. Pieces overlap by half.
 LONGEST, SHORTEST, SPAN = 128, 16, 0.64
 #: Pieces from which spectra say something.
-FEWEST = 8
+FEWEST_PIECES = 8
 #: Neighbouring frequencies that a line has to stand out of.
 SURROUNDINGS = 64
 

@@ -16,7 +16,7 @@ import numpy as np
 from jointwear.discovery import assumed
 
 #: Fewest samples that say that a drive sticks, and fewest elsewhere for each column of the regression.
-FEWEST, FEWEST_EACH = 5, 3
+FEWEST_STUCK, FEWEST_EACH = 5, 3
 #: Shares of a joint in the motion of the drive of its neighbour, whose own is one: none where the neighbour drags it.
 SHARES = (1.0, -1.0, 0.0)
 #: Samples that the regression is made of, at most.
@@ -56,7 +56,7 @@ def sticking(
             for share in SHARES:
                 speed = share * velocity[:, axis] + velocity[:, other]
                 slow = np.abs(speed) < assumed.STICKS
-                if np.sum(used & slow) < FEWEST:
+                if np.sum(used & slow) < FEWEST_STUCK:
                     continue
                 shared = np.stack([np.sign(speed), velocity[:, other], acceleration[:, other]], axis=1)
                 if _sticks(base_of(axis), shared, missing[:, axis], used, slow, sigmas):
@@ -86,4 +86,4 @@ def _sticks(
     # Not all slow samples stick: a drive that reverses fast is as good a friction as elsewhere.
     noise = sigmas**2 * np.mean(left**2)
     odd_near, odd = near**2 > noise, left**2 > noise
-    return bool(np.sum(odd_near) >= FEWEST and np.mean(odd_near) > sigmas * np.mean(odd))
+    return bool(np.sum(odd_near) >= FEWEST_STUCK and np.mean(odd_near) > sigmas * np.mean(odd))

@@ -18,7 +18,7 @@ FASTEST_CHIRP = 20.0
 #: Sweeps in one record [Hz] up to which neighbouring rates of chirps differ by one cell, and by `COARSER` cells.
 SLOW_SWEEP, WIDEST_SWEEP, COARSER = 5.0, 20.0, 4
 #: Samples that a record must have to be asked.
-FEWEST = 100
+FEWEST_OF_RECORD = 100
 
 
 def _level(power: np.ndarray, records: int = 1) -> np.ndarray:
@@ -129,7 +129,7 @@ def strongest_line(residual: np.ndarray, rows: np.ndarray, state: State, rate: f
         index = np.flatnonzero(label == one)
         series = np.zeros(len(index))
         chosen = rows[(rows >= index[0]) & (rows <= index[-1])]
-        if len(chosen) < FEWEST:
+        if len(chosen) < FEWEST_OF_RECORD:
             continue
         series[chosen - index[0]] = residual[np.searchsorted(rows, chosen)]
         pieces.append((int(one), series, len(chosen)))

@@ -25,7 +25,7 @@ from jointwear.measurement.checks.turned_signs import (
     turned_around,
 )
 from jointwear.measurement.derived.motion import Measured
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.stated import Stated
 from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS
@@ -97,7 +97,7 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, loosely: bool = False) -> np.ndarray:
     """Return for each axis the part (n,) of the squared torque that the model leaves, sizes of friction left free; NaN
-    where fewer than `FEWEST` samples can be judged.
+    where fewer than `FEWEST_OF_JOINT` samples can be judged.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def _explained_at_least(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarra
     left = explained(dynamics, some, known, True) * np.sum(some[:, 3] ** 2, axis=0, where=known)
     read, known = reading.read(parts, usable, dynamics.robot)
     left /= np.maximum(np.sum(read[:, 3] ** 2, axis=0, where=known), 1e-12)
-    return np.where(known.sum(axis=0) < FEWEST, np.nan, left)
+    return np.where(known.sum(axis=0) < FEWEST_OF_JOINT, np.nan, left)
 
 
 def explained_otherwise(
@@ -159,7 +159,7 @@ def _left(robot: Robot, rigid: np.ndarray, parts: np.ndarray, usable: np.ndarray
     shares = np.full(parts.shape[2], np.nan)
     for j in axes:
         used = usable[:, j]
-        if used.sum() < FEWEST:
+        if used.sum() < FEWEST_OF_JOINT:
             continue
         v, a, torque = parts[used, 1:, j].T
         forward = v > 0
@@ -199,7 +199,7 @@ def best_reading(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> t
     parts, usable : as of :func:`explained`, (m, 4, n) and (m, n).
     """
     scores = [(total_left(left, RIGHT), reading) for reading, left in explained_otherwise(dynamics, parts, usable)]
-    likelihood, robot = Likelihood(dynamics, FEWEST), dynamics.robot
+    likelihood, robot = Likelihood(dynamics, FEWEST_OF_JOINT), dynamics.robot
     best = [reading for _, reading in sorted(scores, key=lambda x: x[0])[:BEST]]
     nats = [(likelihood(*reading.read(parts, usable, robot)), reading) for reading in best]
     return max(nats, key=lambda x: x[0])
@@ -268,7 +268,7 @@ def check_axes(
     Refused : for swapped joints, torques or positions, a flipped axis, motor-side torque, another zero.
     """
     parts, time, usable = _features(measured)
-    if len(time) < FEWEST:
+    if len(time) < FEWEST_OF_JOINT:
         return False
     dynamics = Dynamics(robot)
     left = explained(dynamics, parts, usable)
@@ -289,7 +289,7 @@ def _believed(
 ) -> list[_Reading]:
     """Return the other readings of the axes that explain the data far better; the arguments are those of
     :func:`explained`, `left` (n,) is what it returns, and `signs` are those of :func:`signs_of`."""
-    robot, likelihood = dynamics.robot, Likelihood(dynamics, FEWEST)
+    robot, likelihood = dynamics.robot, Likelihood(dynamics, FEWEST_OF_JOINT)
     as_read: float | None = None
     believed: list[_Reading] = []
 
@@ -348,7 +348,7 @@ def signs_in_doubt(robot: Robot, measured: Measured, signs: Nats, stated: Stated
     measured, signs, stated : as of :func:`check_axes`, which did not refuse them.
     """
     parts, time, usable = _features(measured)
-    if len(time) < FEWEST:
+    if len(time) < FEWEST_OF_JOINT:
         return []
     dynamics = Dynamics(robot)
     return list(in_doubt(lambda turned: explained(dynamics, turned, usable), signs, parts, stated or Stated()))
@@ -376,7 +376,7 @@ def _refusal(
         also += [best] if reading.several and set(best.axes) > set(reading.axes) else []
     # Friction of another size may ask for another axis, too.
     if scaled := other_scale(dynamics, parts, usable):
-        likelihood = Likelihood(dynamics, FEWEST)
+        likelihood = Likelihood(dynamics, FEWEST_OF_JOINT)
         lead = likelihood(*scaled.read(parts, usable, robot)) - likelihood(parts, usable)
         if lead > nats + favours(reading, robot):
             reading, also, remains = scaled, [], left

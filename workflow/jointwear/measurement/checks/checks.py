@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.files.wording import count
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, sizes_of
 from jointwear.robots.robot import Robot
@@ -37,9 +37,9 @@ def check_recording(recording: Recording, robot: Robot) -> list[str]:
             f"data set '{name}': has {count(recording.joints, 'joint')}, robot '{robot.name}' has {robot.joints}",
             "name the robot file of this arm, or map the right columns",
         )
-    if len(recording.time) < FEWEST:
+    if len(recording.time) < FEWEST_OF_JOINT:
         raise Refused(
-            f"data set '{name}': has {count(len(recording.time), 'sample')}; at least {FEWEST} are needed",
+            f"data set '{name}': has {count(len(recording.time), 'sample')}; at least {FEWEST_OF_JOINT} are needed",
             "record longer",
         )
     _check_labels(recording)

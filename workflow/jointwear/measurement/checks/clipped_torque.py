@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST
+from jointwear.measurement.refused import FEWEST_OF_JOINT
 
 #: Samples in a row at the largest value from which it is a limit, and how many times as long as the longest run of
 #: another value: a coarse scale repeats all of its values, at the crest of a wave five times as often as beside it.
@@ -56,7 +56,7 @@ def _limits(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> list
     ends = np.unique([np.nanmin(torque), np.nanmax(torque)])
     moves = _differs(position, label, STILL)
     moves[:-STILL] &= moves[STILL:]
-    if moves.sum() < FEWEST or len(ends) < 2:
+    if moves.sum() < FEWEST_OF_JOINT or len(ends) < 2:
         return []
     repeats = moves & same
     elsewhere = _longest(repeats & ~np.isin(torque, ends)) + 1

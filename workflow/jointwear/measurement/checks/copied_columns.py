@@ -10,7 +10,7 @@ from jointwear.files.wording import significant
 from jointwear.measurement.checks.axes_check import explained
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.derived.motion import Measured
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
@@ -84,7 +84,7 @@ def _factor(one: np.ndarray, other: np.ndarray, moving: np.ndarray, any_factor: 
     """Return the factor by which `other` (m,) is a copy of `one` (m,) in most of the `moving` (m,) samples; None where
     it is no copy."""
     rows = np.flatnonzero(moving & np.isfinite(one) & np.isfinite(other) & ((one != 0.0) | (other != 0.0)))
-    if len(rows) < FEWEST:
+    if len(rows) < FEWEST_OF_JOINT:
         return None
     rows = rows[:: max(1, len(rows) // LOOK)]
     a, b = one[rows], other[rows]

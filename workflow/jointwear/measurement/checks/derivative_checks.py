@@ -12,7 +12,7 @@ from jointwear.measurement.derived.smoothing import SLOWEST
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.turns import unwrapped
 from jointwear.measurement.units import POSITION_WORDS, sizes_of
 
@@ -41,7 +41,7 @@ def check_derivatives(samples: Chunk | Recording, stretch: np.ndarray, name: str
     steps = np.diff(samples.time)
     whole = np.diff(stretch) == 0
     usual = float(np.median(steps[whole])) if whole.any() else np.inf
-    if len(samples.time) < FEWEST or not 0 < usual <= LONGEST_STEP:
+    if len(samples.time) < FEWEST_OF_JOINT or not 0 < usual <= LONGEST_STEP:
         return
     reach = max(1, round(PIECE / usual))
     position, steps = unwrapped(samples.position), np.where(whole, steps, 0.0)
@@ -60,7 +60,7 @@ def check_derivatives(samples: Chunk | Recording, stretch: np.ndarray, name: str
         good = same[:, None] & finite[ends[1]] & (_differences(np.cumsum(~finite, axis=0), order * reach, 1) == 0)
         for j in range(position.shape[1]):
             one, other = told[good[:, j], j], moved[good[:, j], j]
-            if len(one) < FEWEST or np.abs(other).sum() < 0.05 * reach:
+            if len(one) < FEWEST_OF_JOINT or np.abs(other).sum() < 0.05 * reach:
                 continue
             ratio = float(one @ other) / float(other @ other)
             if not LOWEST < ratio < HIGHEST:

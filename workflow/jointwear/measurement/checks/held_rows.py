@@ -10,7 +10,7 @@ import numpy as np
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 
 #: Encoder steps that a joint makes in each row, at least, where a row that repeats the one before is none of motion.
 STEPS = 2.0
@@ -46,7 +46,7 @@ def check_rows_are_new(samples: Chunk | Recording, stretch: np.ndarray, name: st
     ------
     Refused : where rows repeat, or go on, before more than half of the changes, with the time from one to the next.
     """
-    if len(samples.time) < FEWEST:
+    if len(samples.time) < FEWEST_OF_JOINT:
         return
     with np.errstate(invalid="ignore"):
         steps = _steps(samples)
@@ -81,13 +81,13 @@ def _check(
     if len(places) < 2:
         return
     rows = np.diff(places, prepend=places[0] - 1)
-    if 2 * (rows > 1).sum() <= FEWEST:
+    if 2 * (rows > 1).sum() <= FEWEST_OF_JOINT:
         return  # too few rows repeat to be half of those that are looked at
     inside, moved = same[places], np.abs(steps[:, :moving])
     smallest = np.where(moved > 0.0, moved, np.inf).min(axis=0)
     since = np.diff(np.cumsum(np.nan_to_num(moved), axis=0)[places], axis=0, prepend=np.nan_to_num(moved[places[:1]]))
     fast = inside & (np.nanmax(since / smallest, axis=1) > STEPS * rows)
-    if fast.sum() < FEWEST:
+    if fast.sum() < FEWEST_OF_JOINT:
         return
     repeated = float(np.mean(rows[fast] > 1))
     if repeated > 0.5:
@@ -162,7 +162,7 @@ def _check_torques(
             places = np.flatnonzero((np.diff(values) != 0.0) | ~same)
         rows = np.diff(places, prepend=-1)
         kept = (moving[:-1, j] & moving[1:, j] & same & np.isfinite(values[:-1]) & np.isfinite(values[1:]))[places]
-        if kept.sum() < (FEWEST_OF_PART if part else FEWEST):
+        if kept.sum() < (FEWEST_OF_PART if part else FEWEST_OF_JOINT):
             continue
         held[j], lasts[j] = np.mean(rows[kept] > 1), np.median(rows[kept])
         if held[j] > HELD:
@@ -200,7 +200,7 @@ def without_lines(samples: Chunk, stretch: np.ndarray) -> Chunk:
     ----------
     stretch : (m,) label of the uninterrupted run that each sample belongs to.
     """
-    if len(samples.time) < FEWEST:
+    if len(samples.time) < FEWEST_OF_JOINT:
         return samples
     with np.errstate(invalid="ignore"):
         drawn = np.concatenate([_goes_on(_steps(samples), samples.torque.shape[1], stretch), [False]])

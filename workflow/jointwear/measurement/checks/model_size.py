@@ -7,7 +7,7 @@ import numpy as np
 from jointwear.files.wording import numbered, significant
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.derived.motion import Measured
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -53,7 +53,7 @@ def check_model_size(measured: Measured, robot: Robot, name: str, behind_gears: 
     ratio = np.full(robot.joints, np.nan)
     error = samples.torque - sum(parts.values())
     for j, used in enumerate(samples.usable.T):
-        size = np.sqrt(np.mean(samples.torque[used, j] ** 2)) if used.sum() >= FEWEST else 0.0
+        size = np.sqrt(np.mean(samples.torque[used, j] ** 2)) if used.sum() >= FEWEST_OF_JOINT else 0.0
         if size > 0:
             ratio[j] = np.sqrt(np.mean(error[used, j] ** 2)) / size
     known = ratio[np.isfinite(ratio)]

@@ -23,7 +23,7 @@ from jointwear.measurement.checks.axes_check import (
 )
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks.turned_signs import likeliest_signs, nats_of_signs, needed_signs, turned_around
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.stated import Stated
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -55,7 +55,7 @@ def check_mounting(
         return
 
     def nats(gravity: np.ndarray) -> float:
-        return Likelihood(Dynamics(replace(robot, gravity=gravity)), FEWEST)(parts, usable)
+        return Likelihood(Dynamics(replace(robot, gravity=gravity)), FEWEST_OF_JOINT)(parts, usable)
 
     _check_weight(name, robot, parts, usable, seen, nats)
     way = seen / np.linalg.norm(seen)
@@ -153,7 +153,7 @@ def _gravity(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> np.ndarray 
     rests = []
     for j in range(q.shape[1]):
         u = usable[:, j] & np.isfinite(torque[:, j])
-        if u.sum() < FEWEST:
+        if u.sum() < FEWEST_OF_JOINT:
             continue
         columns = np.column_stack([v[u, j] > 0, v[u, j] < 0, v[u, j], a[u, j], inertial[u, j]]).astype(float)
         columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-12)

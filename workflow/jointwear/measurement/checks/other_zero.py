@@ -12,7 +12,7 @@ from jointwear.measurement.checks.axes_check import FAVOURS, RIGHT, explained
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.derived.motion import Measured
-from jointwear.measurement.refused import FEWEST
+from jointwear.measurement.refused import FEWEST_OF_JOINT
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -30,7 +30,7 @@ def zero_in_words(measured: Measured, robot: Robot) -> list[str]:
 
     thin, dynamics = thinned(measured), Dynamics(robot)
     parts, usable = thin.parts, thin.usable
-    likelihood = Likelihood(dynamics, FEWEST)
+    likelihood = Likelihood(dynamics, FEWEST_OF_JOINT)
 
     def unlikely(angle: float, axis: int) -> float:
         return -likelihood(*Reading("zero", (axis,), angle).read(parts, usable, robot))

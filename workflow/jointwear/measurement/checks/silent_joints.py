@@ -9,7 +9,7 @@ import numpy as np
 from jointwear.files.wording import count
 from jointwear.measurement.derived.motion import Measured, measure
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 
 #: Time [s] and turn [rad] in which a torque that keeps one value was not recorded: friction and weight change in less,
 #: and the coarsest scale of a current has another value.
@@ -21,7 +21,7 @@ def silent_joints(measured: Measured) -> list[int]:
     return [
         j
         for j, used in enumerate(measured.usable.T)
-        if used.sum() >= FEWEST and np.ptp(measured.torque[used, j]) == 0.0
+        if used.sum() >= FEWEST_OF_JOINT and np.ptp(measured.torque[used, j]) == 0.0
     ]
 
 
@@ -64,7 +64,7 @@ def check_torque_moves(measured: Measured, name: str) -> None:
     ------
     Refused : where none does.
     """
-    moving = int(np.sum(measured.usable.sum(axis=0) >= FEWEST))
+    moving = int(np.sum(measured.usable.sum(axis=0) >= FEWEST_OF_JOINT))
     if moving and len(silent_joints(measured)) == moving:
         raise Refused(
             f"{name}: the torque keeps one value while the axes move",

@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.measurement.checks.axes_check import FAVOURS, best_reading, explained, total_left
 from jointwear.measurement.checks.axis_readings import INERTIAL_ERROR, Likelihood
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -91,7 +91,7 @@ def _everywhere(bodies: Dynamics, parts: np.ndarray, usable: np.ndarray) -> bool
     large = (size > np.quantile(size, ORDINARY, axis=0)).any(axis=1)
     near = np.convolve(large, np.ones(2 * BESIDE + 1), mode="same") > 0.5
     rest = usable & ~near[:, None]
-    return bool(rest.sum() < FEWEST) or not _within_errors(_likeliest(bodies, parts, rest)[0])
+    return bool(rest.sum() < FEWEST_OF_JOINT) or not _within_errors(_likeliest(bodies, parts, rest)[0])
 
 
 def _within_errors(log_factor: float) -> bool:
@@ -102,7 +102,7 @@ def _likeliest(bodies: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple
     """Return the log of the factor by which time is likeliest stretched, its nats, and by how many it is likelier."""
     from scipy.optimize import minimize_scalar
 
-    likelihood = Likelihood(bodies, FEWEST)
+    likelihood = Likelihood(bodies, FEWEST_OF_JOINT)
 
     def nats(log_factor: float) -> float:
         return likelihood(parts * np.exp(log_factor * POWERS)[:, None], usable)

@@ -9,7 +9,7 @@ from scipy.ndimage import uniform_filter1d
 
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.derived.motion import Measured
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
@@ -75,7 +75,7 @@ def unfollowed(free: np.ndarray, measured: Measured) -> np.ndarray:
     found = []
     for j, used in enumerate(measured.usable.T):
         torque = measured.torque[used, j]
-        if used.sum() < FEWEST or np.ptp(torque) == 0.0:
+        if used.sum() < FEWEST_OF_JOINT or np.ptp(torque) == 0.0:
             continue
         columns = free[j, used]
         columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=0)), 1e-12)

@@ -11,7 +11,7 @@ from jointwear.files.wording import numbered, significant
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.stated import Stated
 from jointwear.measurement.units import CURRENTS, sizes_of
 from jointwear.robots.dynamics import Dynamics
@@ -25,14 +25,14 @@ FACTOR = 2.0
 OF_ONE = 5.0
 #: Standard errors by which the factor of an axis must stand out; fewest axes that must have one; share of the squared
 #: torque that may be left once it is applied.
-CLEAR, FEWEST_AXES, LEFT = 10.0, 2, 0.1
+STANDS_OUT, FEWEST_AXES, LEFT = 10.0, 2, 0.1
 #: Factor from which one that joints have in common is told, and fewest of these. Masses of a robot file are rarely all
 #: wrong by as much to the same side.
 SHARED, FEWEST_SHARING = 1.2, 3
 #: Factor by which friction may differ from the robot file beside the factor of the torque.
 FRICTION = 2.5
 #: Units of torque that a common factor stands for, and how far (ratio) it may lie from one.
-LIKELY, ALIKE = ("N m", "mN m", "kN m"), 1.3
+LIKELY, NEAR_FACTOR = ("N m", "mN m", "kN m"), 1.3
 #: Nats by which a model with free parameters and a payload must make a torque over its factors likelier, where another
 #: load may be as good a cause: another unit gave 45 and more on logs of 18 simulated robots, another product 1 at most.
 LIKELIER = 10.0
@@ -110,7 +110,7 @@ def check_scale_of_one(found: Factors) -> None:
     factor, others = abs(found.factor[worst]), np.delete(size, worst)
     # Of an arm of few joints none may tell what the unit of the others is.
     alone = not np.isnan(np.delete(found.factor, worst)).all() and bool((others < np.log(FACTOR)).all())
-    unit = next((u for u, times in _other_units(found.stated) if abs(np.log(factor / times)) < np.log(ALIKE)), "")
+    unit = next((u for u, times in _other_units(found.stated) if abs(np.log(factor / times)) < np.log(NEAR_FACTOR)), "")
     looks = "another unit than that of the other joints" if alone else unit or "another unit"
     shared = f"state units: {{torque: {unit}}} if all joints are, or " if unit and not alone else ""
     scaled = found.given.instead("scale", {worst: 1 / factor})
@@ -161,7 +161,7 @@ def gained_by(scale: np.ndarray, dynamics: Dynamics, parts: np.ndarray, usable: 
     ----------
     parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
     """
-    likelihood, scaled = Likelihood(dynamics, FEWEST), parts.copy()
+    likelihood, scaled = Likelihood(dynamics, FEWEST_OF_JOINT), parts.copy()
     scaled[:, 3] /= scale
     return likelihood(scaled, usable) - likelihood(parts, usable)
 
@@ -183,7 +183,7 @@ def shared_scale(
     nominal_friction : whether friction is that of the robot file instead, as far as one drive is like another. That
         tells how large a factor is, and not that there is one.
     """
-    likelihood = Likelihood(dynamics if nominal_friction else _frictionless(dynamics), FEWEST)
+    likelihood = Likelihood(dynamics if nominal_friction else _frictionless(dynamics), FEWEST_OF_JOINT)
 
     def nats(size: float) -> float:
         scaled = parts.copy()
@@ -200,7 +200,7 @@ def shared_scale(
     for finer in (step / 2, step / 4):
         found |= {best + d: nats(best + d) for d in (-finer, finer)}
         best = max(found, key=found.__getitem__)
-    clear = abs(best) > np.log(FACTOR / ALIKE) and found[best] - found[0.0] > LIKELIER
+    clear = abs(best) > np.log(FACTOR / NEAR_FACTOR) and found[best] - found[0.0] > LIKELIER
     return float(np.exp(best)) if clear else None
 
 
@@ -258,8 +258,8 @@ def check_size(measured: Measured, robot: Robot, name: str) -> None:
         np.sqrt(np.sum(np.where(used, x, 0.0) ** 2, axis=0) / np.maximum(count, 1))
         for x in (rigid, rubbed, measured.torque)
     )
-    most = int(np.argmax(np.where(count >= FEWEST, bodies, -1.0)))
-    if count[most] < FEWEST or not bodies[most] > 0 or not torque[most] > 0:
+    most = int(np.argmax(np.where(count >= FEWEST_OF_JOINT, bodies, -1.0)))
+    if count[most] < FEWEST_OF_JOINT or not bodies[most] > 0 or not torque[most] > 0:
         return
     factor = torque[most] / bodies[most]
     explained = factor > 1 and torque[most] < FRICTION * whole[most]
@@ -314,7 +314,7 @@ def factors(
     factor, left = np.full(n, np.nan), np.full(n, np.nan)
     for j in range(n):
         used = measured.usable[:, j]
-        if used.sum() < FEWEST:
+        if used.sum() < FEWEST_OF_JOINT:
             continue
         v, torque = measured.velocity[used, j], measured.torque[used, j]
         design = np.stack([rigid[used, j], np.sign(v), v, np.ones(len(v))], axis=1)
@@ -328,7 +328,7 @@ def factors(
         fit = inverse @ ((design / size).T @ torque)
         error = torque - (design / size) @ fit
         spread = np.sqrt(max(float(error @ error) / max(len(v) - design.shape[1], 1) * inverse[0, 0], 0.0))
-        clear = abs(fit[0]) > CLEAR * spread and error @ error < LEFT * float(torque @ torque)
+        clear = abs(fit[0]) > STANDS_OUT * spread and error @ error < LEFT * float(torque @ torque)
         # A load at the flange multiplies the bodies of a wrist and leaves its friction; a wrong unit scales both.
         nominal = np.abs([robot.coulomb_positive[j], robot.coulomb_negative[j]]).mean()
         rubbed = abs(fit[1] / size[1]) / nominal if nominal > 0 else abs(fit[0] / size[0])
@@ -387,15 +387,15 @@ def _of_most(
         return None
     middle, remains = float(np.median(np.abs(factor[known]))), float(np.median(left[known]))
     if len(constant) == len(factor) and np.all(
-        np.abs(np.log(np.abs(factor[known] / np.array(constant)[known]))) < np.log(ALIKE)
+        np.abs(np.log(np.abs(factor[known] / np.array(constant)[known]))) < np.log(NEAR_FACTOR)
     ):
         reason = "the torque is that of the model times 'torque_constant'; it looks like N m as it is logged"
         return WrongScale(reason, "take 'torque_constant' out, which is for a current in A", remains, "N m")
     for unit, size in _other_units(stated):
-        if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(ALIKE)):
+        if np.all(np.abs(np.log(np.abs(factor[known]) / size)) < np.log(NEAR_FACTOR)):
             reason = f"the torque is about {significant(middle)} times that of the model; it looks like {unit}"
             return WrongScale(reason, f"state units: {{torque: {unit}}}", remains, unit)
-    behind = np.abs(np.log(np.abs(factor[known] * gear[known]))) < np.log(ALIKE)
+    behind = np.abs(np.log(np.abs(factor[known] * gear[known]))) < np.log(NEAR_FACTOR)
     if np.all(behind) and np.all(np.abs(gear[known]) > FACTOR):
         motor = Reading("motor", tuple(known))
         return WrongScale(motor.reason, motor.remedy, remains, "of the motor")

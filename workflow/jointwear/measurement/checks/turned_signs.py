@@ -15,7 +15,7 @@ import numpy as np
 
 from jointwear.files.wording import numbered, significant
 from jointwear.measurement.checks.axis_readings import Likelihood, Reading
-from jointwear.measurement.refused import FEWEST
+from jointwear.measurement.refused import FEWEST_OF_JOINT
 from jointwear.measurement.stated import Stated
 from jointwear.robots.dynamics import Dynamics
 
@@ -35,7 +35,7 @@ def nats_of_signs(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray) -> 
     ----------
     parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
     """
-    likelihood = Likelihood(dynamics, FEWEST)
+    likelihood = Likelihood(dynamics, FEWEST_OF_JOINT)
 
     @cache
     def nats(axes: frozenset[int]) -> float:

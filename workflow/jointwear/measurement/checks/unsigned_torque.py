@@ -6,7 +6,7 @@ import numpy as np
 
 from jointwear.files.wording import numbered
 from jointwear.measurement.derived.motion import Measured
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -33,7 +33,7 @@ def check_torque_has_sign(logged: np.ndarray, measured: Measured, robot: Robot, 
     ------
     Refused : where only sizes were recorded, with the joints that need both signs.
     """
-    moving = np.flatnonzero(measured.usable.sum(axis=0) >= FEWEST)
+    moving = np.flatnonzero(measured.usable.sum(axis=0) >= FEWEST_OF_JOINT)
     known = np.where(np.isfinite(logged), logged, 0.0)[:, moving]
     one_sided = moving[(known.min(axis=0, initial=0.0) >= 0) | (known.max(axis=0, initial=0.0) <= 0)]
     if not len(one_sided):

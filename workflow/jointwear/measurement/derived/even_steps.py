@@ -30,7 +30,7 @@ CLEARER = 0.5
 #: Fewest samples that are put on a grid.
 SHORTEST = 24
 #: Part of a step by which a step may differ from a whole number of them and be counted by itself.
-CLEAR = 0.25
+NEAR_WHOLE = 0.25
 #: Parts of what a stamp is early or late by which the place of a sample and the step follow it.
 FOLLOW = (0.1, 0.005)
 
@@ -225,7 +225,7 @@ def _places(time: np.ndarray, usual: float) -> np.ndarray:
     """
     ratio = np.diff(time) / usual
     steps = np.maximum(np.round(ratio), 1.0)
-    if np.abs(ratio - steps).max() > CLEAR:
+    if np.abs(ratio - steps).max() > NEAR_WHOLE:
         step, phase, rate = usual, *FOLLOW
         expected = float(np.median(time[:SHORTEST] - usual * np.arange(len(time[:SHORTEST]))))
         for k, stamp in enumerate(time[1:].tolist()):

@@ -22,7 +22,7 @@ from jointwear.measurement.derived.fitted_motion import FittedMotion, fit_motion
 from jointwear.measurement.derived.fused_velocity import fuse, made_of_positions
 from jointwear.measurement.derived.jumps import jumps_of, without_jumps
 from jointwear.measurement.derived.missing_samples import bridge, curved, few_short, long_gaps, reached
-from jointwear.measurement.derived.smoothing import CLEAR, END, LONGEST_END, widest_band
+from jointwear.measurement.derived.smoothing import CLEAR_OF_END, END, LONGEST_END, widest_band
 from jointwear.measurement.derived.spectral_floor import resting, spectral_floor
 from jointwear.measurement.derived.torque_spikes import spikes_of, without_spikes
 from jointwear.measurement.derived.velocity_lag import put_in_time
@@ -389,7 +389,7 @@ def _reduced(raw: _Raw, p: slice, cutoff: np.ndarray, factor: int, splines: bool
         tau, v, a = (low_pass(x, limit, rate) for x in (tau, v, a))
     ok = raw.finite[p].copy()
     if raw.derived or factor > 1:
-        clear = min(CLEAR * 0.5 / min(cutoff[np.isfinite(cutoff)], default=np.inf), LONGEST_END)
+        clear = min(CLEAR_OF_END * 0.5 / min(cutoff[np.isfinite(cutoff)], default=np.inf), LONGEST_END)
         for j in range(n):
             known = cutoff[j] if np.isfinite(cutoff[j]) else SAFELY * rate / factor
             # A band that ends at `known` is that of a spline with knots 1 / (2 known) apart.

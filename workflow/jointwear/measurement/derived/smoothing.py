@@ -27,7 +27,7 @@ SAME = 1e-9
 END = 0.5
 #: Spacings of the widest knots of a robot from which on it is at most one and a half times as uncertain, and time [s]
 #: beyond which that does not matter: the accelerations of motion so smooth are known everywhere.
-CLEAR, LONGEST_END = 2.0, 0.1
+CLEAR_OF_END, LONGEST_END = 2.0, 0.1
 
 
 def widest_band(rate: float) -> float:

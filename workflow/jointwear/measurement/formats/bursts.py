@@ -22,7 +22,7 @@ STEADY = 0.8
 #: Long steps after which a log stood still: the packets before and behind are looked at apart.
 PAUSE = 20.0
 #: Fewest samples by which packets are told.
-FEWEST = 40
+FEWEST_OF_LOG = 40
 
 
 def without_bursts(chunk: Chunk) -> Chunk:
@@ -45,7 +45,7 @@ def without_bursts(chunk: Chunk) -> Chunk:
 def _long_step(steps: np.ndarray) -> float | None:
     """Return the ninth of ten steps (k,) [s] that rise, None unless many others are far shorter."""
     known = steps[np.isfinite(steps) & (steps >= 0)]
-    if len(known) < FEWEST:
+    if len(known) < FEWEST_OF_LOG:
         return None
     long = float(np.quantile(known, 0.9))
     return long if np.mean(known <= WITHIN * long) >= MANY else None

@@ -30,7 +30,7 @@ LEAST, TIMES = 0.05, 3.0
 LASTS, KEPT, MOST_AXES = 3, 0.5, 0.5
 #: What the level lacks of what the cold does to it, after greasing: at least so much, and so many times what it
 #: differs by between shifts before. Shifts before that tell.
-FALLEN, CLEAR, FEWEST = 0.02, 4.0, 3
+FALLEN, TIMES_BEFORE, FEWEST_SHIFTS = 0.02, 4.0, 3
 #: Growth of the level for one of viscous friction in the cold: none at least, that of :data:`TIMES` less than once at
 #: most.
 COLD = (0.0, 0.5)
@@ -122,9 +122,9 @@ def _fell_since(part: np.ndarray, before: np.ndarray, after: np.ndarray) -> int 
     ----------
     part : (s,) growth of viscous friction. before, after : of :func:`_beside_the_cold`; after (s,).
     """
-    if len(before) < FEWEST:
+    if len(before) < FEWEST_SHIFTS:
         return None
-    least = max(FALLEN, CLEAR * float(np.sqrt(np.mean(before**2))))
+    least = max(FALLEN, TIMES_BEFORE * float(np.sqrt(np.mean(before**2))))
     since = _last_run(after < -least)
     fallen = -after[since:]
     # At once: the first of these shifts shows it as the others do, and those before it did not.

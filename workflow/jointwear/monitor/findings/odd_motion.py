@@ -24,7 +24,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.spells import spell_finding, spells
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.regimes import (
-    ALIKE,
+    SAME_PROGRAM,
     UNSEEN,
     USUAL,
     beyond_usual,
@@ -164,7 +164,7 @@ def _exchanged(
         for pair in combinations(range(n), 2):
             order = np.arange(n)
             order[list(pair)] = pair[::-1]
-            if differences(signature[k][np.concatenate([order, n + order])], centres).min() <= ALIKE:
+            if differences(signature[k][np.concatenate([order, n + order])], centres).min() <= SAME_PROGRAM:
                 result.setdefault(pair, np.zeros(len(signature), dtype=bool))[k] = True
     return result
 

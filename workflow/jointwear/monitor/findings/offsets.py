@@ -27,7 +27,7 @@ OFFSET = "offset"
 #: robots of the thirty-second fleet, with parts and loads that come and go, none shows that, nor 0.05.
 LEAST, TIMES, ALONE = 0.08, 4.0, 0.5
 #: Shifts in a row that show it, and windows of each; fewest shifts of the baseline.
-SHIFTS, WINDOWS, FEWEST = 3, 3, 3
+SHIFTS, WINDOWS, FEWEST_SHIFTS = 3, 3, 3
 
 _WORDS = (
     "The torque of {axes} is off by {size} N m, {percent} % of its friction, in both directions of motion alike, and "
@@ -63,7 +63,7 @@ def offset_findings(
     usual = np.abs(np.array(early))
     with np.errstate(invalid="ignore"):
         limit = np.maximum(LEAST, TIMES * np.fmax.reduce(usual, axis=0))
-    limit[np.isfinite(usual).sum(axis=0) < FEWEST] = np.nan
+    limit[np.isfinite(usual).sum(axis=0) < FEWEST_SHIFTS] = np.nan
     over = np.array([_middle(change[own]) for own in rows]) / limit
     found = []
     for j in range(statistics.axes):

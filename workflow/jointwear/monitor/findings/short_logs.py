@@ -13,7 +13,7 @@ from jointwear.monitor.reading.assembly import History
 #: Kind of the finding.
 SHORT = "short_logs"
 #: Fewest logs that tell how long one usually is, share of them that has to be so, and by how much these may differ.
-FEWEST, MOST, ALIKE = 10, 0.8, 0.02
+FEWEST_LOGS, MOST, SAME_LENGTH = 10, 0.8, 0.02
 #: Share of that length below which a log ends early.
 EARLY = 0.9
 
@@ -26,10 +26,10 @@ def short_log_findings(history: History) -> list[dict[str, Any]]:
     known = [p for p in history.pieces if np.isfinite(p.first) and not p.copy_of and p.statistics.windows]
     known.sort(key=lambda p: p.first)
     lasted = np.array([p.last - p.first for p in known])
-    if len(known) < FEWEST:
+    if len(known) < FEWEST_LOGS:
         return []
     usual = float(np.median(lasted))
-    if not 0 < usual < history.statistics.length or np.mean(np.abs(lasted / usual - 1) <= ALIKE) < MOST:
+    if not 0 < usual < history.statistics.length or np.mean(np.abs(lasted / usual - 1) <= SAME_LENGTH) < MOST:
         return []
     early = np.flatnonzero(lasted[:-1] < EARLY * usual)
     if not len(early):

@@ -17,7 +17,7 @@ UNIT, BROKEN = "temperature_unit", "thermometer"
 #: Distance [K] from the temperatures of the baseline up to which weather and work may bring those of later windows.
 NEAR = 15.0
 #: Windows in another unit that are told: one is a reading gone wrong.
-FEWEST = 2
+FEWEST_WINDOWS = 2
 #: Windows in a row in which a thermometer shows one value, and pauses among them from which it came back as it was,
 #: until it counts as stuck: a joint that works around the clock may keep its temperature within a degree for a week.
 STUCK, PAUSES = 8, 2
@@ -44,7 +44,7 @@ def other_unit(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[
         for unit, (size, offset) in UNITS["temperature"].items():
             value = given * size + offset
             there = (far & (value > low) & (value < high)).any(axis=1) & after_baseline(baseline)
-            if unit == "degC" or there.sum() < FEWEST:
+            if unit == "degC" or there.sum() < FEWEST_WINDOWS:
                 continue
             seen, many = given[there][far[there]], count(int(there.sum()), "window")
             words = (
@@ -126,7 +126,7 @@ def broken(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str,
         )
         result.append(_told(statistics, stopped, words))
     far &= ~stopped & ~constant
-    if far.any(axis=1).sum() >= FEWEST and not other_unit(statistics, baseline):
+    if far.any(axis=1).sum() >= FEWEST_WINDOWS and not other_unit(statistics, baseline):
         words = (
             f"The thermometer of {{axes}} shows {_values(np.where(far, given, np.nan))} degC, more than {NEAR:.0f} K "
             "from all that it showed in the normal period: not connected, a fault, or another sensor. If it is right, "

@@ -36,12 +36,12 @@ FAR, APART, AXES = np.log(1.25), np.log(1.15), 2
 MUCH = np.log(1.5)
 #: Standard error of the bodies of a shift above which they show nothing, as a share of APART; bodies are alike within
 #: this share of their median, and more than the other of the axes alike are one gain.
-KNOWN, ALIKE, MOST_ALIKE = 0.25, 0.5, 0.5
+KNOWN, SAME_BODIES, MOST_ALIKE = 0.25, 0.5, 0.5
 #: Shifts of the baseline that tell its products, and windows of a later one that shows another: of two, one in which a
 #: load was not found makes half of the median.
 SHIFTS, WINDOWS = 3, 3
 #: Most products of the baseline, and fewest shifts with each: more, or single ones, are what shifts scatter by.
-MOST, FEWEST = 3, 2
+MOST, FEWEST_OF_PRODUCT = 3, 2
 #: Share of the windows of a shift above which, each being near some product that is known, the shift holds several of
 #: these in turn: its medians lie between them. Seven windows of 19 kg and seven of 4 kg were a third part.
 MOST_NEAR = 0.5
@@ -204,7 +204,7 @@ def _other_load(step: np.ndarray) -> bool:
     makes them differ alike."""
     middle = float(known_median(step, axis=0)) if np.isfinite(step).any() else 0.0
     with np.errstate(invalid="ignore"):
-        alike = np.abs(step - middle) < ALIKE * abs(middle)
+        alike = np.abs(step - middle) < SAME_BODIES * abs(middle)
     if alike.sum() > MOST_ALIKE * np.isfinite(step).sum():
         step = np.where(alike, 0.0, step)
     step = np.nan_to_num(step)
@@ -226,7 +226,7 @@ def _groups(medians: Sequence[np.ndarray]) -> list[int]:
             members.append([k])
     members.sort(key=len, reverse=True)
     usual = _middle([medians[m] for m in members[0]])
-    single = [own for own in members if len(own) < FEWEST]
+    single = [own for own in members if len(own) < FEWEST_OF_PRODUCT]
     if len(members) > MOST or not all(_other_load((usual - medians[own[0]])[1]) for own in single):
         return [0] * len(medians)
     result = [0] * len(medians)

@@ -3,7 +3,7 @@
 The config says in which columns a log names its program (task, payload, speed override, whatever decides what the arm
 does), or what the logs of a name hold. A window that mixes programs is a program of its own, named after all that hold
 :data:`~jointwear.monitor.reading.program_labels.PART` of its samples or more. A program with fewer than
-:data:`~.regimes.FEWEST` windows in the baseline was never seen: its windows are not judged before its
+:data:`~.regimes.FEWEST_OF_REGIME` windows in the baseline was never seen: its windows are not judged before its
 normal has been learnt, as those of a regime that the motion shows late.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.program_labels import window_programs
-from jointwear.monitor.reading.regimes import FEWEST
+from jointwear.monitor.reading.regimes import FEWEST_OF_REGIME
 from jointwear.monitor.reading.windows import WindowStatistics
 
 
@@ -34,7 +34,7 @@ def labelled_regimes(labels: np.ndarray, baseline: np.ndarray) -> np.ndarray | N
     regime = np.full(len(names), -1)
     for rows in (baseline, ~baseline):
         known, counts = np.unique(names[rows].astype(str), return_counts=True)
-        for name in known[counts >= FEWEST]:
+        for name in known[counts >= FEWEST_OF_REGIME]:
             if name and not (regime[names == name] >= 0).any():
                 regime[(names == name) & (rows | ~baseline)] = regime.max() + 1
     return regime
@@ -52,7 +52,7 @@ def unseen_programs(labels: np.ndarray, baseline: np.ndarray) -> list[tuple[str,
     first: dict[str, int] = {}
     after = after_baseline(baseline)
     for k, name in enumerate(names):
-        if name and after[k] and np.sum(seen == name) < FEWEST:
+        if name and after[k] and np.sum(seen == name) < FEWEST_OF_REGIME:
             first.setdefault(name, k)
     return list(first.items())
 

@@ -23,7 +23,7 @@ from jointwear.statistics.known import known_median
 USUAL = 3.0
 #: Times the usual error of its program from which on a window is an odd one, share of the windows of the baseline in
 #: that program up to which such windows are odd there, and fewest of them that tell.
-ODD, RARE, FEWEST = 4.0, 0.25, 4
+ODD, RARE, FEWEST_WINDOWS = 4.0, 0.25, 4
 
 
 def coloured_variance(gram: np.ndarray, score: np.ndarray, free: np.ndarray, target: int = 0) -> np.ndarray:
@@ -57,7 +57,7 @@ def odd_windows(error: np.ndarray, program: np.ndarray, baseline: np.ndarray) ->
         first = error[own & baseline]
         with np.errstate(invalid="ignore"):
             odd = error[own] > ODD * known_median(first, axis=0)
-        result[own] = odd & (np.isfinite(first).sum(axis=0) >= FEWEST)
+        result[own] = odd & (np.isfinite(first).sum(axis=0) >= FEWEST_WINDOWS)
     return not_of_program(result, np.isfinite(error), program, baseline)
 
 

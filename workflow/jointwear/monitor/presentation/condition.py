@@ -53,7 +53,7 @@ SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 #: Probability of an axis below which it is no likelier than all others together.
 EVEN_ODDS = 0.5
 #: Standard deviations of a growth that is more than chance.
-CLEAR = 2.0
+MORE_THAN_CHANCE = 2.0
 #: Share of the limit, and standard deviations, from which on growth of Coulomb friction is told without an alarm.
 RISING, SURELY = 0.4, 3.0
 #: Share of the limit by which Coulomb friction is clearly below normal, as no wear makes it.
@@ -171,7 +171,7 @@ class AxisCondition:
     def viscous_told(self) -> bool:
         """Whether growth of viscous friction is told: it has alarmed, or has clearly passed the limit beside another
         alarm while the axes do not all move together, in which it could not alarm either."""
-        beyond = self.viscous >= max(self.limit, CLEAR * self.viscous_std)
+        beyond = self.viscous >= max(self.limit, MORE_THAN_CHANCE * self.viscous_std)
         beside = self.level == CHANGED and not self.together and beyond
         return self.viscous_alarm or bool(beside)
 
@@ -184,16 +184,15 @@ class AxisCondition:
 
     @property
     def _fell(self) -> bool:
-        return self.growth < -max(CLEAR * self.growth_std, BELOW * self.limit)
+        return self.growth < -max(MORE_THAN_CHANCE * self.growth_std, BELOW * self.limit)
 
     @property
     def contradicted(self) -> bool:
         """Whether a changed axis has Coulomb friction clearly below normal beside viscous friction that is over the
         limit, though Coulomb friction alarmed, or by more than can be measured: no friction does that."""
         far = self.viscous > MOST_TOLD or not self.viscous_alarm
-        return (
-            self.level == CHANGED and self._fell and far and self.viscous >= max(self.limit, CLEAR * self.viscous_std)
-        )
+        beyond = self.viscous >= max(self.limit, MORE_THAN_CHANCE * self.viscous_std)
+        return self.level == CHANGED and self._fell and far and beyond
 
     @property
     def reached(self) -> bool:
@@ -225,7 +224,7 @@ class AxisCondition:
         if self.level != HEALTHY:
             return ""
         kinds = ((VISCOUS, self.viscous, self.viscous_std), (COULOMB, self.growth, self.growth_std))
-        return next((kind for kind, grown, std in kinds if grown >= max(self.limit, CLEAR * std)), "")
+        return next((kind for kind, grown, std in kinds if grown >= max(self.limit, MORE_THAN_CHANCE * std)), "")
 
     @property
     def rising(self) -> bool:
@@ -289,7 +288,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         event=event,
         until=until if event else math.nan,
         together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
-        overnight=_as_told(_viscous_overnight, VISCOUS, state, j, open_ones) and not growth > CLEAR * std,
+        overnight=_as_told(_viscous_overnight, VISCOUS, state, j, open_ones) and not growth > MORE_THAN_CHANCE * std,
         scaled=_as_told(rose_alike, COULOMB, state, j, open_ones),
         repaired=_as_told(greased_since, COULOMB, state, j, open_ones),
     )

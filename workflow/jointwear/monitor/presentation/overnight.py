@@ -6,16 +6,16 @@ from __future__ import annotations
 import numpy as np
 
 #: Seconds of a day; days before and after the step that must show it.
-DAY, FEWEST = 86400.0, 2
+DAY, FEWEST_DAYS = 86400.0, 2
 #: Part of the step by which days may lie off: before it from none, after it from what they have in common. What wears
 #: grows for days, and goes on.
 KEPT = 0.25
 #: Part of the first day's step that grease which is worked soft leaves, and standard errors by which Coulomb friction
 #: is lower since, which thicker grease lowers and no wear.
-SOFT, CLEAR = 0.3, 3.0
+SOFT, SURELY_LOWER = 0.3, 3.0
 #: Part of a step by which another one may differ to be of the same share, and of what stood before it that is left at
 #: most of what fell.
-ALIKE, LEFT = 0.5, 0.5
+SAME_SHARE, LEFT = 0.5, 0.5
 #: Days looked back at from an alarm: it may have needed some shifts.
 BACK = 7
 
@@ -32,7 +32,7 @@ def rose_overnight(end: np.ndarray, growth: np.ndarray, alarm: float, coulomb: n
     names, means = _days(end, growth)
     other_names, others = _days(end, np.full(len(end), np.nan) if coulomb is None else coulomb)
     first = int(np.searchsorted(names, np.floor(alarm / DAY), side="right"))
-    for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST)):
+    for k in range(max(FEWEST_DAYS, first - BACK), min(first, len(names) - FEWEST_DAYS)):
         # The day of the step may lie between: it came in the middle of it, or the days are not those of UTC.
         before, after = means[:k], means[k + 1 :]
         fell = _fell(others[np.isin(other_names, names[:k])], others[np.isin(other_names, names[k + 1 :])])
@@ -56,13 +56,13 @@ def rose_alike(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm:
     """
     names, own, other = _days_of_both(end, coulomb, viscous)
     first = int(np.searchsorted(names, np.floor(alarm / DAY), side="right"))
-    for k in range(max(FEWEST, first - BACK), min(first, len(names) - FEWEST + 1)):
+    for k in range(max(FEWEST_DAYS, first - BACK), min(first, len(names) - FEWEST_DAYS + 1)):
         step = float(np.mean(own[k:]) - np.mean(own[:k]))
         along = float(np.mean(other[k:]) - np.mean(other[:k]))
         # Over days without a log what wears rises as well, and it goes on.
         at_once = names[k] - names[k - 1] <= 1 and own[:k].max() < LEFT * step < own[k:].min()
-        at_once = at_once and np.mean(own[k : k + FEWEST]) > (1 - KEPT) * np.mean(own[k:])
-        if at_once and abs(along - step) < ALIKE * step and all(_fell(x[k:], x[:k]) for x in (own, other)):
+        at_once = at_once and np.mean(own[k : k + FEWEST_DAYS]) > (1 - KEPT) * np.mean(own[k:])
+        if at_once and abs(along - step) < SAME_SHARE * step and all(_fell(x[k:], x[:k]) for x in (own, other)):
             # The later half of the days since is as the earlier one, by what they scatter.
             half = (len(own) - k) // 2
             if not (_fell(own[k + half :], own[k : k + half]) or np.ptp(own[k:]) > step):
@@ -78,9 +78,9 @@ def greased_since(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, ala
     """
     names, own, other = _days_of_both(end, coulomb, viscous)
     first = int(np.searchsorted(names, np.floor(alarm / DAY)))
-    for k in range(first + 1, len(names) - FEWEST + 1):
+    for k in range(first + 1, len(names) - FEWEST_DAYS + 1):
         # What has grown for days lies below the newest of them: these alone stand for what was before.
-        before, after = slice(max(k - FEWEST, 0), k), slice(k, None)
+        before, after = slice(max(k - FEWEST_DAYS, 0), k), slice(k, None)
         fallen = own[k:].max() < LEFT * own[before].min()
         if fallen and _fell(own[before], own[after]) and _fell(other[after], other[before]):
             return True
@@ -106,7 +106,7 @@ def _days(end: np.ndarray, growth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _fell(before: np.ndarray, after: np.ndarray) -> bool:
     """Return whether the mean of days `after` is clearly below that of those `before`, by their own scatter."""
-    if min(len(before), len(after)) < FEWEST:
+    if min(len(before), len(after)) < FEWEST_DAYS:
         return False
     error = np.sqrt(sum(np.var(days, ddof=1) / len(days) for days in (before, after)))
-    return bool(np.mean(before) - np.mean(after) > CLEAR * error)
+    return bool(np.mean(before) - np.mean(after) > SURELY_LOWER * error)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FEWEST = 4
+FEWEST_WINDOWS = 4
 #: Smallest spread of temperature [K] that counts as a variation.
 SPREAD = 0.5
 
@@ -35,7 +35,7 @@ def temperature_share(estimate: np.ndarray, std: np.ndarray, temperature: np.nda
     Windows count by their inverse variance.
     """
     good = np.isfinite(estimate) & np.isfinite(std) & (std > 0) & np.isfinite(temperature)
-    if good.sum() < FEWEST or np.ptp(temperature[good]) < SPREAD:
+    if good.sum() < FEWEST_WINDOWS or np.ptp(temperature[good]) < SPREAD:
         return None
     y, t = estimate[good], temperature[good]
     # No window may rule alone: a floor at a tenth of the median standard deviation.

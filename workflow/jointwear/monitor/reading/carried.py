@@ -33,9 +33,9 @@ ROUNDS = 12
 #: Time [s] over which the switch is told from the residuals, and what is left out around it: a gripper needs as long.
 SMOOTH, EDGE = 0.5, 0.3
 #: Factor by which the variance left by the model must fall (geometric mean over the axes) for a load to be accepted.
-CLEAR = 4.0
+VARIANCE_FALLS = 4.0
 #: Time [s] between samples that suffices to find a load. Fewest of them.
-STEP, FEWEST = 0.1, 60
+STEP, FEWEST_FOR_LOAD = 0.1, 60
 #: Time [s] of samples that shows a load: two to four cycles of a robot.
 SUFFICES = 20.0
 #: Time [s] over which a switch that is any number keeps its value, rounds of finding it, and what is added to its
@@ -219,8 +219,8 @@ def find_load(
     least : smallest mass [kg].
     """
     rows = used.any(axis=1)
-    axes = np.flatnonzero(used.sum(axis=0) >= FEWEST)
-    if rows.sum() < FEWEST or not len(axes):
+    axes = np.flatnonzero(used.sum(axis=0) >= FEWEST_FOR_LOAD)
+    if rows.sum() < FEWEST_FOR_LOAD or not len(axes):
         return None
     on = used[:, axes].T.astype(float)
     raw = np.where(used, residual, 0.0)[:, axes].T
@@ -275,7 +275,7 @@ def _nearest(
         left = float(count @ np.log(after / before) / count.sum())
         if carried.any() and moments[0] > least and left < lowest:
             best, lowest = Load(moments, carried), left
-    return best if lowest < -np.log(CLEAR) else None
+    return best if lowest < -np.log(VARIANCE_FALLS) else None
 
 
 def _least_squares(shown: np.ndarray, plain: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -362,7 +362,7 @@ def _start_from_stretch(
     if load is None:
         return None
     torque = np.where(used, np.einsum("mkn,k->mn", unit, load.moments), 0.0)
-    axes = np.flatnonzero(used[own].sum(axis=0) >= FEWEST)
+    axes = np.flatnonzero(used[own].sum(axis=0) >= FEWEST_FOR_LOAD)
     torque, without = torque[:, axes].T, np.where(used, residual, 0.0)[:, axes].T
     for k, j in enumerate(axes):
         rest = without[k, own] - load.carried * torque[k, own]

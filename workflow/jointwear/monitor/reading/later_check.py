@@ -37,7 +37,7 @@ from jointwear.measurement.checks.torque_scale import (
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.units import sizes_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
@@ -51,7 +51,7 @@ RIGHT = 0.02
 #: wrong reading is mended.
 WORSE, MENDED = 2.0, 1.0
 #: Growth of each axis up to which two pieces count as alike.
-ALIKE = 0.7
+SAME_GROWTH = 0.7
 #: Share of the squared torque of an axis that the model leaves where it no longer explains it, and growth of its log
 #: since the first log: friction may be any size in that share, and twice the torque leaves a tenth of it.
 HARDLY, FAR_WORSE = 0.3, 1.5
@@ -134,13 +134,13 @@ class LaterCheck:
             the torque or of the positions, mends it.
         """
         measured = busiest_piece(chunk, stretch, motion, self._dead_band)
-        if len(measured.time) < FEWEST:
+        if len(measured.time) < FEWEST_OF_JOINT:
             return np.zeros(self._dynamics.robot.joints, dtype=np.int64)
         stands = standing(chunk.torque, motion.velocity, self._dead_band)
         nothing = np.where(stands, int(Flag.TORQUE_FROZEN), 0)
         # One value looks like a current, a torque of the motor, or one of another joint.
         measured = replace(measured, usable=measured.usable & ~stands)
-        if np.mean(measured.usable.sum(axis=0) >= FEWEST) <= SLOW:
+        if np.mean(measured.usable.sum(axis=0) >= FEWEST_OF_JOINT) <= SLOW:
             self._check_slow(chunk, stretch, motion)
         check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
@@ -169,7 +169,7 @@ class LaterCheck:
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
         if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
             return nothing
-        if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < ALIKE:
+        if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < SAME_GROWTH:
             return self._marks() | nothing
         reading = self._read_otherwise(parts, usable, plain)
         if reading is not None and self._is_likelier(reading, parts, usable):
@@ -392,7 +392,7 @@ class LaterCheck:
 
         A few seconds with a load that the robot file does not have may look like another zero of a joint.
         """
-        likelihood = Likelihood(self._dynamics, FEWEST)
+        likelihood = Likelihood(self._dynamics, FEWEST_OF_JOINT)
         turned = reading.read(parts, usable, self._dynamics.robot)
         return likelihood(*turned) - likelihood(parts, usable) > favours(reading, self._dynamics.robot)
 

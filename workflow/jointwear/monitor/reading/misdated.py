@@ -12,7 +12,7 @@ from jointwear.monitor.days_in_names import days_of
 #: Pause [s] without a log, a quarter of a year, beyond which dates are another clock's.
 PAUSE = 90 * 86400.0
 #: Fewest logs in order of time by name that say that names follow time: by chance one order in 120 does.
-FEWEST = 5
+FEWEST_LOGS = 5
 #: Fewest that do where each begins on the day that its name holds: one before and one after.
 FEWEST_NAMED = 2
 #: A day, and what times differ by in writing alone [s].
@@ -23,10 +23,10 @@ def misdated(first: np.ndarray, logs: Sequence[str], zone: tzinfo) -> dict[int, 
     """Return every log that is dated :data:`PAUSE` and more off while the logs before and after it by name are not,
     with the nearest ones of these.
 
-    Names tell only where all other logs, more than half and at least :data:`FEWEST`, follow each other in time as they
-    do by name; two are enough where all begin on the days that their names hold, or as many days off them, and the one
-    that is off does not. A clock that is wrong from some log on is none of this: nobody knows which of the two dates is
-    right.
+    Names tell only where all other logs, more than half and at least :data:`FEWEST_LOGS`, follow each other in time as
+    they do by name; two are enough where all begin on the days that their names hold, or as many days off them, and the
+    one that is off does not. A clock that is wrong from some log on is none of this: nobody knows which of the two
+    dates is right.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def misdated(first: np.ndarray, logs: Sequence[str], zone: tzinfo) -> dict[int, 
     if len(others) < FEWEST_NAMED or 2 * len(others) <= len(order) or np.any(np.diff(first[others]) < 0):
         return {}
     astray = np.setdiff1d(order, others).tolist()
-    if len(others) < FEWEST:
+    if len(others) < FEWEST_LOGS:
         off = np.array([_days_off(day, time, zone) for day, time in zip(days_of(logs), first, strict=True)])
         usual = off[others]
         if not np.ptp(usual) <= 1:
@@ -72,9 +72,9 @@ def wrong_of_overlapping(
     """Return of logs whose samples lie between those of others, where it can be told, those whose dates are wrong, each
     with the other one and what tells it.
 
-    By dates in the names: all other logs that have one, at least :data:`FEWEST`, begin on that day, or as many days
-    off it, and one of the two does not. By order: all other logs follow each other in time as they do by name, and one
-    of the two can be moved to where it stands by name while there is no room for the other one; where there is for
+    By dates in the names: all other logs that have one, at least :data:`FEWEST_LOGS`, begin on that day, or as many
+    days off it, and one of the two does not. By order: all other logs follow each other in time as they do by name, and
+    one of the two can be moved to where it stands by name while there is no room for the other one; where there is for
     both, by whole days, as a wrong date keeps the time of day.
 
     Parameters
@@ -84,12 +84,12 @@ def wrong_of_overlapping(
     """
     doubtful = {*overlapping, *overlapping.values()}
     sound = [k for k in np.flatnonzero(np.isfinite(first)).tolist() if k not in doubtful]
-    if len(sound) < FEWEST:
+    if len(sound) < FEWEST_LOGS:
         return {}
     off = np.array([_days_off(day, time, zone) for day, time in zip(days_of(logs), first, strict=True)])
     usual = off[sound][np.isfinite(off[sound])]
     found: dict[int, tuple[int, str]] = {}
-    if len(usual) >= FEWEST:
+    if len(usual) >= FEWEST_LOGS:
         for pair in overlapping.items():
             wrong = [k for k in pair if not usual.min() <= off[k] <= usual.max()]
             if len(wrong) == 1 and np.isfinite(off[list(pair)]).all():

@@ -21,7 +21,7 @@ from jointwear.measurement.checks.unsigned_torque import check_torque_has_sign
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.recording import Recording
-from jointwear.measurement.refused import FEWEST, Refused
+from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.stated import Stated
 from jointwear.measurement.turns import turns_on
 from jointwear.monitor.reading.accumulate import moving
@@ -56,7 +56,7 @@ def check_first(
     Refused : names the axis and what it looks like, with a suggestion.
     """
     measured = busiest_piece(chunk, stretch, motion, dead_band)
-    if len(measured.time) < FEWEST:
+    if len(measured.time) < FEWEST_OF_JOINT:
         return [None] * robot.joints
     check_units(measured, robot, name, chunk.units)
     stated = Stated(chunk.units, chunk.factors)

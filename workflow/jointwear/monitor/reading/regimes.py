@@ -2,12 +2,12 @@
 
 The signature of a window does not change with a speed override or a load: of each axis its speed over the mean of all
 axes, and the ratio of root mean square and mean speed. Regimes are found one after the other in the baseline (a window
-joins the nearest one that lies within :data:`ALIKE`, else it founds one); a regime counts from :data:`FEWEST` windows
-on. A later window that lies near none is a program that was never seen: it founds a regime too, and is not judged
-before its constant has been learnt (:func:`.normal_state.introduced`). So does a run of later windows
-that lies near a regime, yet farther from it than windows of the baseline do, all on one side. Where most windows of the
-baseline lie near no regime, each being a mixture of its own, none is told apart. An axis without a torque in a window
-shows no motion either; such a later window is told by its other axes, and founds no regime.
+joins the nearest one that lies within :data:`SAME_PROGRAM`, else it founds one); a regime counts from
+:data:`FEWEST_OF_REGIME` windows on. A later window that lies near none is a program that was never seen: it founds a
+regime too, and is not judged before its constant has been learnt (:func:`.normal_state.introduced`). So does a run of
+later windows that lies near a regime, yet farther from it than windows of the baseline do, all on one side. Where most
+windows of the baseline lie near no regime, each being a mixture of its own, none is told apart. An axis without a
+torque in a window shows no motion either; such a later window is told by its other axes, and founds no regime.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
 
 #: Largest difference of signatures (logs) that still is one program, and beyond which a window is unseen.
-ALIKE, UNSEEN = 0.15, 0.3
+SAME_PROGRAM, UNSEEN = 0.15, 0.3
 #: Usual are distances up to so many times the one from its own regime that this share of the baseline's windows keeps.
 CLOSE, MOST = 2.0, 0.9
 #: Fewest windows of a regime; share of the baseline's windows that regimes must hold.
-FEWEST, COVERED = 4, 0.7
+FEWEST_OF_REGIME, COVERED = 4, 0.7
 #: Share of the windows of a program that lie beside another of it, from which on they follow each other.
 IN_A_ROW = 0.5
 #: Windows of a program in the baseline that its usual is told from.
@@ -64,7 +64,7 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
     for k in np.flatnonzero(baseline):
         distance = differences(signature[k], centres)
         best = int(np.argmin(distance)) if len(distance) else -1
-        if best < 0 or distance[best] > ALIKE:
+        if best < 0 or distance[best] > SAME_PROGRAM:
             centres.append(signature[k].copy())
             counts.append(1)
             best = len(centres) - 1
@@ -73,14 +73,14 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
             known = np.isfinite(signature[k]) & np.isfinite(centres[best])
             centres[best][known] += (signature[k] - centres[best])[known] / counts[best]
         label[k] = best
-    kept = [c for c, count in zip(centres, counts, strict=True) if count >= FEWEST]
+    kept = [c for c, count in zip(centres, counts, strict=True) if count >= FEWEST_OF_REGIME]
     near = np.array([differences(signature[k], kept).min(initial=np.inf) for k in np.flatnonzero(baseline)])
     if not len(kept) or np.sum(near <= UNSEEN) < COVERED * len(near):
         return None
-    usual = float(np.clip(CLOSE * np.quantile(near[near <= UNSEEN], MOST), ALIKE, UNSEEN))
+    usual = float(np.clip(CLOSE * np.quantile(near[near <= UNSEEN], MOST), SAME_PROGRAM, UNSEEN))
     known = len(kept)
     result = np.full(len(signature), -1)
-    members = [FEWEST] * len(kept)
+    members = [FEWEST_OF_REGIME] * len(kept)
     for k in range(len(signature)):
         distance = differences(signature[k], kept, late[k])
         best = int(np.argmin(distance))
@@ -92,7 +92,7 @@ def find_regimes(signature: np.ndarray, baseline: np.ndarray, hidden: np.ndarray
             continue
         members[best] += 1
         result[k] = best
-    rare = np.array(members) < FEWEST
+    rare = np.array(members) < FEWEST_OF_REGIME
     result[(result >= 0) & rare[result]] = -1
     _split(result, signature, kept[:known], ~baseline & ~late.any(axis=1), usual)
     return result
@@ -115,8 +115,8 @@ def _split(
     distance[near] = [differences(signature[k], centres).min() for k in np.flatnonzero(near)]
     apart = near & (distance > usual)
     for k in np.flatnonzero(apart):
-        run = slice(max(k - FEWEST + 1, 0), k + 1)
-        if k + 1 < FEWEST or not (apart[run] & (regime[run] == regime[k])).all():
+        run = slice(max(k - FEWEST_OF_REGIME + 1, 0), k + 1)
+        if k + 1 < FEWEST_OF_REGIME or not (apart[run] & (regime[run] == regime[k])).all():
             continue
         middle = signature[run].mean(axis=0)
         if differences(middle, centres).min() <= usual:
@@ -143,7 +143,7 @@ def parts_of_known(signature: np.ndarray, regime: np.ndarray, baseline: np.ndarr
     for name in np.setdiff1d(regime[~baseline], [*regime[baseline], -1]):
         own = regime == name
         beside = np.concatenate([[False], own[:-1]]) | np.concatenate([own[1:], [False]])
-        near = UNSEEN if beside[own].mean() < IN_A_ROW else ALIKE
+        near = UNSEEN if beside[own].mean() < IN_A_ROW else SAME_PROGRAM
         nearest = [differences(signature[k], before).min(initial=np.inf) for k in np.flatnonzero(own)]
         if np.median(nearest) <= near:
             found.append(int(name))

@@ -49,7 +49,7 @@ FAR_LIKELIER = 1.0
 #: Time [s] after an axis begins to move in which its friction still turns, and is not looked at.
 BEGINS = 0.1
 #: Time [s] between samples that suffices, and fewest of an axis in a window: eight for each column.
-STEP, FEWEST = 0.04, 100
+STEP, FEWEST_OF_WINDOW = 0.04, 100
 #: Speed [rad/s] over which friction falls after a start, of one column.
 STRIBECK = 0.05
 #: One of so many windows of a block is looked at first, and share of SMALLEST below which the others are not.
@@ -98,13 +98,13 @@ def lag_of(
     every, begins = max(round(STEP / step), 1), max(round(BEGINS / step), 1)
     for piece in pieces:
         rows = np.arange(piece.start, piece.stop, every)
-        if len(rows) < FEWEST:
+        if len(rows) < FEWEST_OF_WINDOW:
             continue
         bodies = model.gravity[piece] + model.inertial[piece]
         slope, bodies = np.gradient(bodies, step, axis=0)[::every], bodies[::every]
         residual = (torque[piece] - model.total[piece])[::every]
         on = (_settled(used[piece], begins))[::every] & np.isfinite(residual)
-        axes = np.flatnonzero(on.sum(axis=0) >= FEWEST)
+        axes = np.flatnonzero(on.sum(axis=0) >= FEWEST_OF_WINDOW)
         if not len(axes):
             continue
         v, a = (x[rows] for x in motion)

@@ -35,10 +35,10 @@ from jointwear.statistics.known import known_median, known_rms
 #: Kind of the finding.
 ZERO = "zero"
 #: Time [s] between samples that suffices, and fewest and most samples of a piece.
-STEP, FEWEST, MOST = 0.2, 50, 400
+STEP, FEWEST_OF_PIECE, MOST = 0.2, 50, 400
 #: Smallest change [rad] that is told, as it takes a twentieth off the steepest gravity torque; in standard deviations
 #: of the shifts of the baseline; and shifts in a row, windows of each, that have to show it.
-SMALLEST, CLEAR, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
+SMALLEST, BEYOND_SCATTER, SHIFTS, WINDOWS = np.radians(3.0), 5.0, 2, 3
 #: Standard error [rad] of the angle of a window from which on it tells nothing: what hardly shows in the torques, as
 #: the zero of a wrist, does no harm to friction either; and largest angle that is found to first order.
 KNOWN, LARGEST = 0.7 * SMALLEST, np.radians(45.0)
@@ -77,7 +77,7 @@ def angles_of(
     n = torque.shape[1]
     crossed, shown = np.zeros((2, len(pieces), n))
     thinned = [np.arange(s.start, s.stop, max(round(STEP / step), (s.stop - s.start) // MOST, 1)) for s in pieces]
-    enough = [p for p, rows in enumerate(thinned) if len(rows) >= FEWEST]
+    enough = [p for p, rows in enumerate(thinned) if len(rows) >= FEWEST_OF_PIECE]
     if not enough:
         return crossed, shown
     # Bodies and loads of all pieces at once: short pieces would cost more in calls than in sums.
@@ -93,7 +93,7 @@ def angles_of(
         sought = np.column_stack([residual[:, i], slopes[:, i]])
         for p, (begin, end) in zip(enough, pairwise([0, *ends]), strict=True):
             u = begin + np.flatnonzero(counts[begin:end, i])
-            if len(u) < FEWEST:
+            if len(u) < FEWEST_OF_PIECE:
                 continue
             columns, both = normalised(free[u]), sought[u]
             rest = both - columns @ np.linalg.lstsq(columns, both, rcond=1e-7)[0]
@@ -163,7 +163,8 @@ def changed_zero(
     error = OF_MEDIAN * scatter / np.sqrt(np.maximum(counted, 1))
     first = [min((k for k in own if k >= np.flatnonzero(baseline)[-1]), default=w) for own in events]
     with np.errstate(invalid="ignore"):
-        clear = (np.abs(mean) > np.maximum(np.maximum(SMALLEST, CLEAR * spread), BEYOND * error)) & late[:, None]
+        least = np.maximum(np.maximum(SMALLEST, BEYOND_SCATTER * spread), BEYOND * error)
+        clear = (np.abs(mean) > least) & late[:, None]
         clear &= np.array([known_median(past[rows], axis=0) for _, rows in shifts]) > PAST * np.abs(mean)
     clear &= np.array([[rows[-1] < k for k in first] for _, rows in shifts])
     for k in range(SHIFTS - 1, len(shifts)):

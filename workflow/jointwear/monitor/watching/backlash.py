@@ -35,7 +35,7 @@ FEWEST_OF_BATCH, LONG = 3, 6
 #: Hours after which an alarm that lasts is told again.
 REPEAT_HOURS = 168.0
 #: Samples near and far of a window that suffice; samples that count as one, because the quick part is smooth.
-FEWEST, ALIKE = 30, 4.0
+FEWEST_SAMPLES, COUNT_AS_ONE = 30, 4.0
 #: Reversals in motion of a window that suffice, and share of the baseline's windows that must show them.
 FEWEST_TURNS, MOST_WINDOWS = 3, 0.5
 #: Body torque over friction (root mean square) below which the load of the gear reverses with the motion.
@@ -56,12 +56,13 @@ def backlash_series(statistics: WindowStatistics, usable: np.ndarray) -> Series:
     usable : (n,) bool, :func:`hidden_because` gives no reason.
     """
     near, far = statistics.near_count.astype(float), statistics.far_count.astype(float)
-    known = (near >= FEWEST) & (far >= FEWEST) & (statistics.turns >= FEWEST_TURNS) & statistics.judgeable & usable
+    known = (near >= FEWEST_SAMPLES) & (far >= FEWEST_SAMPLES) & (statistics.turns >= FEWEST_TURNS)
+    known &= statistics.judgeable & usable
     known &= (statistics.pulse_near > 0) & (statistics.pulse_far > 0)
     with np.errstate(all="ignore"):
         ratio = (statistics.pulse_near / near) / (statistics.pulse_far / far)
         value = np.where(known, 0.5 * np.log(ratio), np.nan)
-        variance = np.where(known, 0.5 * ALIKE * (1 / near + 1 / far), np.nan)
+        variance = np.where(known, 0.5 * COUNT_AS_ONE * (1 / near + 1 / far), np.nan)
     n = statistics.axes
     return Series(value, variance, np.ones(n), np.ones(n))
 
@@ -81,7 +82,7 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
         gathered = statistics.near_count[rows, j].sum() + statistics.far_count[rows, j].sum()
         load = np.sqrt(np.trace(statistics.gram[rows, j, 3:, 3:].sum(axis=0)) / count)
         turns = statistics.turns[rows, j] >= FEWEST_TURNS
-        short = (statistics.near_count[rows, j] < FEWEST) | (statistics.far_count[rows, j] < FEWEST)
+        short = (statistics.near_count[rows, j] < FEWEST_SAMPLES) | (statistics.far_count[rows, j] < FEWEST_SAMPLES)
         quick = statistics.pulse_far[rows, j].sum() / max(int(statistics.far_count[rows, j].sum()), 1)
         noise = statistics.residual_square[rows, j].sum() / max(int(statistics.freedom[rows, j].sum()), 1)
         if not rows.any():

@@ -11,8 +11,8 @@ import numpy as np
 
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.watching.scale import (
-    ALIKE,
     FEWEST_TOGETHER,
+    SAME_SCALE,
     TOGETHER,
     ScaleStep,
     cut_beside,
@@ -47,7 +47,7 @@ def gain_of_all(level: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndar
     _, bodies = shift_steps(scale, named, names, shift)
     known = np.isfinite(friction[..., 0])
     sizes = np.array([np.median(f[k]) if k.any() else 0.0 for f, k in zip(friction[..., 0], known, strict=True)])
-    least = ALIKE * np.abs(sizes)[:, None]
+    least = SAME_SCALE * np.abs(sizes)[:, None]
     with np.errstate(invalid="ignore"):
         alike = np.abs(friction[..., 0] - sizes[:, None]) < least
         own = np.sign(sizes)[:, None] * bodies[..., 0]

@@ -33,7 +33,7 @@ from jointwear.statistics.known import known_median, known_rms
 #: Least scatter of the medians of shifts, and how many shifts of the baseline tell it.
 FLOOR, USUAL = 0.005, 2
 #: By which share of it friction and bodies may differ from one factor; factors of two shifts in a row too.
-ALIKE = 0.2
+SAME_FACTOR = 0.2
 
 
 def gains_of_axes(
@@ -103,12 +103,13 @@ def _together(
     n = len(last)
     for one in found:
         a, size = first[one.axis], float(np.log(one.factor))
-        near = [s for s in found if abs(first[s.axis] - a) <= 1 and abs(np.log(s.factor) - size) < ALIKE * abs(size)]
+        then = (s for s in found if abs(first[s.axis] - a) <= 1)
+        near = [s for s in then if abs(np.log(s.factor) - size) < SAME_FACTOR * abs(size)]
         if len(near) < max(FEWEST_TOGETHER, MOST * n):
             continue
         size = float(np.mean([np.log(s.factor) for s in near]))
         off = np.abs(levels[a : a + 2] - usual_before(levels)[a] - size)
-        tolerated = np.maximum(ALIKE * abs(size), AGAINST * errors[a : a + 2])
+        tolerated = np.maximum(SAME_FACTOR * abs(size), AGAINST * errors[a : a + 2])
         alike, against = (off < tolerated)[..., 0].all(axis=0), (off > tolerated)[..., 1].any(axis=0)
         window = int(np.median([s.window for s in near]))
         own = {s.axis for s in near}
@@ -135,7 +136,7 @@ def _pairs(
         rubbed, moved = np.moveaxis(levels[rows] - usual, -1, 0)
         rub_error, move_error = np.moveaxis(errors[rows], -1, 0)
         with np.errstate(invalid="ignore"):
-            alike = np.abs(rubbed - moved) < np.maximum(ALIKE * np.abs(moved), AGAINST * rub_error)
+            alike = np.abs(rubbed - moved) < np.maximum(SAME_FACTOR * np.abs(moved), AGAINST * rub_error)
             bodies = (np.abs(moved) > np.maximum(FINDING, TOGETHER * move_error)) & late[rows, None]
             both = bodies & alike & (np.abs(rubbed) > TOGETHER * rub_error) & (rubbed * moved > 0)
         # A load moves the bodies of several axes, and their friction by another share.
@@ -144,7 +145,7 @@ def _pairs(
         sizes.append(moved)
     first, second = sizes
     with np.errstate(invalid="ignore"):
-        steady = shown[0] & shown[1] & (np.abs(second - first) < ALIKE * np.abs(second))
+        steady = shown[0] & shown[1] & (np.abs(second - first) < SAME_FACTOR * np.abs(second))
     return steady, (first + second) / 2, usual
 
 
@@ -162,10 +163,10 @@ def _moved_alone(levels: np.ndarray, errors: np.ndarray) -> np.ndarray:
     (rubbed, moved), (rub_error, move_error) = np.moveaxis(levels, -1, 0), np.moveaxis(errors, -1, 0)
     found = np.zeros(moved.shape, dtype=bool)
     with np.errstate(invalid="ignore"):
-        apart = np.abs(rubbed - moved) > np.maximum(ALIKE * np.abs(moved), AGAINST * rub_error)
+        apart = np.abs(rubbed - moved) > np.maximum(SAME_FACTOR * np.abs(moved), AGAINST * rub_error)
         alone = apart & (np.abs(moved) > np.maximum(FINDING, AGAINST * move_error))
         for a in range(1, len(moved)):
-            as_far = np.abs(moved[:a] - moved[a]) < ALIKE * np.abs(moved[a])
+            as_far = np.abs(moved[:a] - moved[a]) < SAME_FACTOR * np.abs(moved[a])
             back = np.abs(moved[:a]) < 0.5 * np.abs(moved[a])
             passed = np.cumsum(back[::-1], axis=0)[::-1] > 0
             found[a] = (alone[:a] & as_far & passed).any(axis=0)

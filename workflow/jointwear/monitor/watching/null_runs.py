@@ -29,7 +29,7 @@ CARRIED = 0.5
 #: A step between shifts teaches the scatter between them as if it were at most so many standard deviations.
 LARGEST_STEP = 3.0
 #: Fewest runs that a threshold may rest on; beyond, the tail goes on as that of a Student law.
-FEWEST = 25
+FEWEST_RUNS = 25
 #: The grid on which axes share runs: the ratio of two of its sizes next to each other, the least spread and deviations,
 #: and the least and the most windows of a shift.
 RATIO, LEAST_SPREAD, LEAST_NORMAL, LEAST_WITHIN, FEWEST_WINDOWS, MOST_WINDOWS = 1.2, 0.1, 0.001, 0.0005, 4, 32
@@ -173,7 +173,7 @@ def null_thresholds(axis: Axis, chance_per_window: float) -> tuple[float, float]
     of_runs = np.clip(2 ** round(np.log2(max(axis.windows, 1))), FEWEST_WINDOWS, MOST_WINDOWS)
     maxima = _maxima(replace(axis.rounded(), windows=int(of_runs)))
     wanted = -np.expm1(-chance_per_window * JUDGED * axis.windows)
-    smallest = FEWEST / RUNS
+    smallest = FEWEST_RUNS / RUNS
     at = 1 - min(max(wanted, smallest), 0.5)
     alone = [_quantile(m, at) for m in maxima]
     both = _quantile(np.maximum(maxima[0] / alone[0], maxima[1] / alone[1]), at)

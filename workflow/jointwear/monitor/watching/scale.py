@@ -20,7 +20,7 @@ from jointwear.statistics.known import known_median
 
 #: A scale explains growth where the growth is likelier as its step than as no step of it by this log likelihood ratio;
 #: smallest step. Of a second axis the factors are alike within this share, a third contradicts that many errors off.
-CLEAR, LEAST, ALIKE, AGAINST = 1.0, 0.01, 0.5, 2.5
+LIKELIER, LEAST, SAME_SCALE, AGAINST = 1.0, 0.01, 0.5, 2.5
 #: A step of all scales together needs so many standard errors in two shifts in a row, and at least so many axes.
 TOGETHER, FEWEST_TOGETHER = 4.0, 3
 #: Share of the axes whose friction must step with it: a load or a program moves the bodies of all axes alone.
@@ -88,7 +88,7 @@ def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, bas
             rows = slice(begin, _end(k, shift))
             step, error = mean_residual(scale, rows, j, shift)
             size = mean_residual(level, slice(begin, k + 1), j, shift)[0] if sign > 0 else step
-            steps = np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > CLEAR
+            steps = np.isfinite(step) and sign * step > LEAST and _evidence(step, size, error) > LIKELIER
             if steps and not _grows_on(plain, rows, j, shift, step) and not _of_a_load(plain, scale, rows, j, shift):
                 found.append(ScaleStep(j, begin, float(np.exp(step))))
                 break
@@ -103,7 +103,7 @@ def _grows_on(plain: Watch, rows: slice, j: int, shift: np.ndarray, step: float)
     (before, error), (after, spread) = (
         mean_residual(plain, place[shift[place] == shift[k]], j, shift) for k in (place[0], place[-1])
     )
-    return bool(after - before > max(AGAINST * np.hypot(error, spread), ALIKE * abs(step)))
+    return bool(after - before > max(AGAINST * np.hypot(error, spread), SAME_SCALE * abs(step)))
 
 
 def _of_a_load(plain: Watch, scale: Watch, rows: slice, own: int, shift: np.ndarray) -> bool:
@@ -146,7 +146,7 @@ def _common(plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray)
         clear = (np.abs(size) * np.sqrt(total) > TOGETHER) & (np.abs(size) > LEAST)
         clear &= (weight > 0).sum(axis=1) >= FEWEST_TOGETHER
         apart = np.abs(means[..., 0] - size[:, None]) > AGAINST * means[..., 1]
-        alike = np.abs(friction - size[:, None]) < ALIKE * np.abs(size)[:, None]
+        alike = np.abs(friction - size[:, None]) < SAME_SCALE * np.abs(size)[:, None]
     clear &= (apart & (weight > 0)).sum(axis=1) <= len(named) // 3
     clear &= alike.sum(axis=1) > MOST * np.isfinite(friction).sum(axis=1)
     a = first_pair(clear, size)
@@ -174,7 +174,7 @@ def _joined(found: Sequence[ScaleStep], level: Watch, scale: Watch, shift: np.nd
     more = []
     for one in found:
         near = [s for s in found if abs(int(shift[s.window]) - int(shift[one.window])) <= 1]
-        near = [s for s in near if abs(np.log(s.factor / one.factor)) < ALIKE * abs(np.log(one.factor))]
+        near = [s for s in near if abs(np.log(s.factor / one.factor)) < SAME_SCALE * abs(np.log(one.factor))]
         if one is not near[0]:
             continue
         size = float(np.mean([np.log(s.factor) for s in near]))
@@ -184,7 +184,7 @@ def _joined(found: Sequence[ScaleStep], level: Watch, scale: Watch, shift: np.nd
             rows = slice(one.window, _end(one.window, shift))
             steps = [mean_residual(w, rows, j, shift) for w in (scale, level) if w.axes[j] is not None]
             # One axis alone is no common cause, unless the friction of another steps with it by as much.
-            if len(near) < 2 and not abs(steps[-1][0] - size) < ALIKE * abs(size):
+            if len(near) < 2 and not abs(steps[-1][0] - size) < SAME_SCALE * abs(size):
                 continue
             if all(not np.isfinite(step) or abs(step - size) < AGAINST * error for step, error in steps):
                 more.append(ScaleStep(j, one.window, float(np.exp(size))))

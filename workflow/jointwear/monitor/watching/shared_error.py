@@ -24,7 +24,7 @@ RAREST, WIDEST = 0.01, 0.4
 LEAST = 0.0005
 #: Share of the variance of leaving the baseline's temperatures that the axes of a robot have in common: all their oils
 #: thicken in the cold, and the same law is carried too far.
-ALIKE = 0.7
+COMMON_OF_TEMPERATURE = 0.7
 #: A priori slope of an axis over the common part of the others, and its standard deviation.
 SLOPE, SLOPE_SPREAD = 1.0, 0.35
 #: What moves all axes (oil, weather) moves viscous friction so many times as much, in percent of itself, as Coulomb
@@ -33,7 +33,7 @@ VISCOUS_TIMES = 2.0
 #: Common part above which all axes together are a finding of its own.
 FINDING = 0.03
 #: Fewest other axes.
-FEWEST = 3
+FEWEST_OTHERS = 3
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,12 @@ def shared_error(
     residual : (w, n) log levels less the normal state (left out in the baseline), NaN where unknown.
     variance : (w, n) of the residual, prediction, shift and window together. baseline : (w,) bool.
     shift : (w,) labels; the slope in a shift rests on the steps between the shifts before it.
-    beyond : (w, n) part of `variance`, of leaving the baseline's range; :data:`ALIKE` of it is shared. None: none.
+    beyond : (w, n) part of `variance`, of leaving the baseline's range; :data:`COMMON_OF_TEMPERATURE` of it is shared.
+        None: none.
     unit : (n,) residual of each axis for one unit of what all have in common.
     """
     w, n = residual.shape
-    alike = np.zeros((w, n)) if beyond is None else ALIKE * np.nan_to_num(beyond) / np.square(unit)
+    alike = np.zeros((w, n)) if beyond is None else COMMON_OF_TEMPERATURE * np.nan_to_num(beyond) / np.square(unit)
     residual, variance = residual / unit, variance / np.square(unit) - alike
     value, spread, known = np.zeros((w, n)), np.zeros((w, n)), np.zeros((w, n), dtype=bool)
     told = np.where(before_baseline(baseline)[:, None], np.nan, residual)
@@ -111,7 +112,7 @@ def _location(residual: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, n
         robust = weight * (FREEDOM + 1) / (FREEDOM + weight * (values - middle[:, None]) ** 2)
         total = robust.sum(axis=1)
         middle = np.divide((robust * values).sum(axis=1), total, out=np.zeros_like(total), where=total > 0)
-    enough = good.sum(axis=1) >= FEWEST
+    enough = good.sum(axis=1) >= FEWEST_OTHERS
     total = robust.sum(axis=1)
     scatter = np.divide((robust * weight * (values - middle[:, None]) ** 2).sum(axis=1), np.maximum(total, 1e-300))
     error = np.divide(np.maximum(1.0, scatter), np.maximum(total, 1e-300))

@@ -28,7 +28,7 @@ from jointwear.monitor.watching.growth_laws import (
 #: Probability a priori that growth has come to a standstill between two of the shifts (docs/decisions/forecasts.md).
 STOPPED = 0.05
 #: Fewest shifts since, and most numbers of them that are tried.
-FEWEST, MOST = 3, 20
+FEWEST_SHIFTS, MOST = 3, 20
 #: Relative standard deviation of growth about its law, or about what it stood still at: laws of a grid lie no closer.
 UNEVEN = 0.05
 #: Growth since over the mean growth in the same time until then, that is none.
@@ -59,10 +59,10 @@ def standstill(
     error, all known. limit : relative growth, as it is. shared : standard deviation of the error all shifts share.
     start : end of the normal period [h]. now : [h].
     """
-    if len(time) < FEWEST + 2:
+    if len(time) < FEWEST_SHIFTS + 2:
         return Standstill()
     # Shifts before each standstill.
-    after = np.unique(np.geomspace(FEWEST, len(time) - 2, MOST).round().astype(int))
+    after = np.unique(np.geomspace(FEWEST_SHIFTS, len(time) - 2, MOST).round().astype(int))
     before = len(time) - after[::-1]
     stop = 0.5 * (time[before] + time[before - 1])
     onset, length = ways(start, now, _LENGTHS)

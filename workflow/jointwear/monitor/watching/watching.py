@@ -17,7 +17,7 @@ from jointwear.monitor.reading.after_baseline import after_baseline, before_base
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.growth_so_far import shrunk, stands_out
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
-from jointwear.monitor.watching.shared_error import ALIKE, FINDING, SharedError, shared_error
+from jointwear.monitor.watching.shared_error import COMMON_OF_TEMPERATURE, FINDING, SharedError, shared_error
 from jointwear.monitor.watching.watched_axis import UNSEEN, Common, Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
@@ -272,7 +272,7 @@ def _beside(
     for j, state in states.items():
         memory[j] = state.normal.dispersion.memory
     if common:
-        alike, shared = ALIKE, shared_error(raw, spread, baseline, shift, beyond, unit)
+        alike, shared = COMMON_OF_TEMPERATURE, shared_error(raw, spread, baseline, shift, beyond, unit)
     else:
         alike, nothing = 0.0, np.zeros(shape)
         shared = SharedError(nothing, nothing, np.zeros(len(shift)), np.zeros(shape, dtype=bool))

@@ -36,7 +36,7 @@ BUDGET = 0.5
 #: Share of it for falls of friction: they are told (running-in, new grease), but growth is what is looked for.
 FALL_SHARE = 0.1
 #: Fewest windows of the normal period of an axis.
-FEWEST = 8
+FEWEST_NORMAL = 8
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ def thresholds_for(rate: float, windows: np.ndarray) -> tuple[np.ndarray, np.nda
     rate : false alarms a window that are allowed for the whole robot.
     windows : (n,) length of the normal period of every axis.
     """
-    charted = windows >= FEWEST
+    charted = windows >= FEWEST_NORMAL
     result = np.full((2, len(windows)), np.inf)
     for side, share in enumerate((1 - FALL_SHARE, FALL_SHARE)):
         for j in np.flatnonzero(charted):

@@ -14,7 +14,7 @@ from jointwear.monitor.normal.estimate import Pooled, Sums, column_estimate, poo
 #: Lags [windows] over which the correlation of normal windows is looked at, and laws that are tried for its decay.
 LAGS, MEMORIES = 24, np.array([0.3, 0.6, 0.8, 0.9, 0.95, 0.98])
 #: Standard deviations from which a correlation is there: one in a hundred of independent windows by chance.
-CLEAR = 2.6
+CORRELATED = 2.6
 _TINY = 1e-9
 
 
@@ -75,7 +75,7 @@ def _memory(z: np.ndarray, good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return memory and slow share (..., n) of standardised windows z (..., w, n), 0 where not `good`.
 
     The law slow memory^k is fitted to the autocorrelations of the first :data:`LAGS` lags, if lag 1 or the mean over
-    half of the lags lies :data:`CLEAR` standard deviations above that of independent windows.
+    half of the lags lies :data:`CORRELATED` standard deviations above that of independent windows.
     """
     count = z.shape[-2]
     lags = min(LAGS, count // 4)
@@ -89,7 +89,7 @@ def _memory(z: np.ndarray, good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rho = np.stack(found)
     half = max(lags // 2, 1)
     root_count = np.sqrt(good.sum(axis=-2))
-    clear = (rho[0] * root_count > CLEAR) | (rho[:half].mean(axis=0) * np.sqrt(half) * root_count > CLEAR)
+    clear = (rho[0] * root_count > CORRELATED) | (rho[:half].mean(axis=0) * np.sqrt(half) * root_count > CORRELATED)
     laws = MEMORIES[:, None] ** np.arange(1, lags + 1)
     shares = np.clip(np.tensordot(laws, rho, 1) / (laws**2).sum(axis=1).reshape(-1, *[1] * (rho.ndim - 1)), 0.0, 1.0)
     error = ((rho[None] - shares[:, None] * laws.reshape(*laws.shape, *[1] * (rho.ndim - 1))) ** 2).sum(axis=1)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.studies.recovery.plan import ALIKE, NOTHING
+from jointwear.studies.recovery.plan import NOT_TOLD_APART, NOTHING
 
 AXES = 6
 
@@ -67,7 +67,7 @@ class Component:
     @property
     def same_in_slow_motion(self) -> tuple[str, ...]:
         """Names of the components that slow motion cannot tell from this one."""
-        return ALIKE[self.name]
+        return NOT_TOLD_APART[self.name]
 
 
 def payload_monomials(mass: np.ndarray, com: np.ndarray) -> np.ndarray:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from jointwear.studies.recovery.fit import ExplanationFit
-from jointwear.studies.recovery.plan import ALIKE, NOTHING
+from jointwear.studies.recovery.plan import NOT_TOLD_APART, NOTHING
 
-CLEAR = 10.0  # difference of the criterion that counts as very strong evidence (Kass and Raftery 1995)
+VERY_STRONG = 10.0  # difference of the criterion that counts as very strong evidence (Kass and Raftery 1995)
 
 
 def parts(name: str) -> frozenset[str]:
@@ -26,7 +26,7 @@ def choose(fits: Mapping[str, ExplanationFit], transferred: Mapping[str, float] 
 
     Notes
     -----
-    From `nothing` on, the best single component is taken if it beats what stands by more than CLEAR, then the
+    From `nothing` on, the best single component is taken if it beats what stands by more than VERY_STRONG, then the
     best pair that holds it, so that a pair of two makeshifts never wins over one cause.
     """
     transferred = transferred or {}
@@ -35,7 +35,7 @@ def choose(fits: Mapping[str, ExplanationFit], transferred: Mapping[str, float] 
         richer = [n for n in fits if len(parts(n)) == size and parts(standing) < parts(n)]
         richer.sort(key=lambda n: fits[n].bic)
         for name in richer:
-            if fits[name].bic > fits[standing].bic - CLEAR:
+            if fits[name].bic > fits[standing].bic - VERY_STRONG:
                 break
             if name in transferred and standing in transferred and transferred[name] >= transferred[standing]:
                 continue
@@ -48,7 +48,7 @@ def choose(fits: Mapping[str, ExplanationFit], transferred: Mapping[str, float] 
 
 def runner_up(fits: Mapping[str, ExplanationFit], chosen: str) -> str:
     """Return the best candidate that does not hold the chosen one and is not the same in slow motion."""
-    same = {chosen, *(c for p in parts(chosen) for c in ALIKE[p])}
+    same = {chosen, *(c for p in parts(chosen) for c in NOT_TOLD_APART[p])}
     others = [n for n in fits if n not in same and not (parts(chosen) and parts(chosen) <= parts(n))]
     return min(others, key=lambda n: fits[n].bic)
 

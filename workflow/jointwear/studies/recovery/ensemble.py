@@ -22,7 +22,7 @@ from jointwear.studies.recovery.search import Effort, screened_start, search_tas
 from jointwear.studies.recovery.tables import TORQUE_ROUNDING, Tables, read_tables
 
 #: Fewest pose sets from which a spread is told.
-FEWEST = 10
+FEWEST_POSE_SETS = 10
 #: Difference [rad] in some moving joint of every task that makes two solutions distinct.
 LEAST = np.radians(10.0)
 #: Random starts of a task, iterations of its fit, and rounds at most.
@@ -304,7 +304,7 @@ def collect_solutions(
 
     Raises
     ------
-    InputError : if fewer than FEWEST solutions were found.
+    InputError : if fewer than FEWEST_POSE_SETS solutions were found.
     """
     tables, best_fit = read_tables(published), read_fit(fit)
     comparison = settings_of(settings["comparison"])
@@ -322,9 +322,10 @@ def collect_solutions(
         growth=growth[0],
         growth_spread=growth[1],
     )
-    if len(ensemble.cost) < min(FEWEST, settings["solutions"]):
+    if len(ensemble.cost) < min(FEWEST_POSE_SETS, settings["solutions"]):
         raise InputError(
-            f"recover: only {len(ensemble.cost)} of {settings['solutions']} solutions were found, fewer than {FEWEST} "
-            "tell no spread; search from more starts (recover.search.starts) or allow more (recover.tolerance)"
+            f"recover: only {len(ensemble.cost)} of {settings['solutions']} solutions were found, fewer than "
+            f"{FEWEST_POSE_SETS} tell no spread; search from more starts (recover.search.starts) or allow more "
+            "(recover.tolerance)"
         )
     write_ensemble(output, ensemble, tables, best_fit, settings)

@@ -6,7 +6,7 @@ from itertools import combinations
 
 NOTHING = "nothing"
 # Name of a component: names of those that slow motion cannot tell from it.
-ALIKE: dict[str, tuple[str, ...]] = {
+NOT_TOLD_APART: dict[str, tuple[str, ...]] = {
     "payload": (),
     "torque_constant_error": (),
     "gravity_scale": ("mass_scale",),
@@ -22,5 +22,5 @@ CAUSES = ("payload", "gravity_scale", "faster_segments", NOTHING)
 
 def candidate_names() -> list[str]:
     """Return the names of all candidates: nothing, every component alone, every pair that is not alike."""
-    pairs = [f"{a}+{b}" for a, b in combinations(ALIKE, 2) if b not in ALIKE[a]]
-    return [NOTHING, *ALIKE, *pairs]
+    pairs = [f"{a}+{b}" for a, b in combinations(NOT_TOLD_APART, 2) if b not in NOT_TOLD_APART[a]]
+    return [NOTHING, *NOT_TOLD_APART, *pairs]

@@ -16,7 +16,7 @@ from jointwear.statistics.randomness import generator
 from jointwear.studies.recovery.candidates import candidate
 from jointwear.studies.recovery.choice import choose, parts
 from jointwear.studies.recovery.fit import NOISE_VARIANCE, ExplanationFit, fit_tables, settings_of
-from jointwear.studies.recovery.plan import ALIKE, NOTHING
+from jointwear.studies.recovery.plan import NOT_TOLD_APART, NOTHING
 from jointwear.studies.recovery.problem import TableProblem, TableSettings
 from jointwear.studies.recovery.search import Effort
 from jointwear.studies.recovery.tables import TORQUE_ROUNDING, Tables, read_tables
@@ -90,9 +90,9 @@ def name_cause(
     tables to within their noise: the criterion cannot prefer one with more parameters to it.
     """
     fits: dict[str, ExplanationFit] = {}
-    for name in sorted((NOTHING, *ALIKE), key=lambda n: len(candidate(n).parameters)):
+    for name in sorted((NOTHING, *NOT_TOLD_APART), key=lambda n: len(candidate(n).parameters)):
         # One that slow motion cannot tell from it may have been tried already.
-        if set(ALIKE.get(name, ())) & set(fits):
+        if set(NOT_TOLD_APART.get(name, ())) & set(fits):
             continue
         fits[name] = fit_tables(robot, tables, candidate(name), settings, effort, random)
         if fits[name].variance <= NOISE_VARIANCE:
@@ -102,7 +102,7 @@ def name_cause(
 
 def named_rightly(cause: str, chosen: str) -> bool:
     """Return whether the chosen candidate is the cause or one that slow motion cannot tell from it."""
-    same = ALIKE.get(cause, ())
+    same = NOT_TOLD_APART.get(cause, ())
     return chosen in (cause, *same)
 
 
