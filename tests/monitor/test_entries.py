@@ -6,7 +6,7 @@ from monitor_logs import ROBOT
 
 from jointwear.files.errors import InputError
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.plan import check_robots
+from jointwear.monitor.robot_entries import check_robots
 from jointwear.running.configuration import prepare
 
 SIX = [f"axis_{k}" for k in range(6)]

@@ -11,16 +11,11 @@ from jointwear.files.errors import InputError
 from jointwear.files.patterns import matches
 from jointwear.measurement.log_kinds import log_format
 from jointwear.monitor.days_in_names import days_of
+from jointwear.monitor.found_logs import find_all_logs, find_logs, programs_without_logs, readable_files
+from jointwear.monitor.lengths_of_time import window_seconds
 from jointwear.monitor.order_of_logs import in_order
-from jointwear.monitor.plan import (
-    check_robots,
-    check_shared_logs,
-    find_all_logs,
-    find_logs,
-    programs_without_logs,
-    readable_files,
-    window_seconds,
-)
+from jointwear.monitor.robot_entries import check_robots
+from jointwear.monitor.shared_logs import check_shared_logs
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ import numpy as np
 from monitor_logs import ROBOT, ROOT, layout, model
 
 from jointwear.measurement.formats import read_log
+from jointwear.monitor.found_logs import find_logs
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.judging.judge_settings import settings_of
-from jointwear.monitor.plan import find_logs
 from jointwear.monitor.reading.assembly import Piece, assemble
 from jointwear.monitor.reading.logs import log_statistics
 from jointwear.monitor.reading.survey import survey_log

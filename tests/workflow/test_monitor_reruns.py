@@ -8,8 +8,10 @@ from scratch_project import Project, copy_project
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json
+from jointwear.monitor.batches import batches_of, log_key
+from jointwear.monitor.found_logs import find_all_logs, find_logs
 from jointwear.monitor.order_of_logs import in_order
-from jointwear.monitor.plan import batches_of, check_robots, find_all_logs, find_logs, log_key
+from jointwear.monitor.robot_entries import check_robots
 from jointwear.running.configuration import prepare
 
 ENTRY = {

@@ -5,7 +5,7 @@ from jointwear.files.digests import digest
 from jointwear.monitor.events import acting
 from jointwear.monitor.fleet.plan import batches, begun, seen, processes_of_job
 from jointwear.monitor.learned_model import model_file
-from jointwear.monitor.plan import window_seconds
+from jointwear.monitor.lengths_of_time import window_seconds
 
 MONITOR = config["monitor"]
 # Which configuration names the robots: two of them do not take each other's histories.

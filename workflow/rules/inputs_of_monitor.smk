@@ -9,17 +9,17 @@ from jointwear.monitor.reading.kept_surveys import surveyed_log
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.learned_model import learnt_of_other, model_file
 from jointwear.monitor.notify.plan import check_channels
-from jointwear.monitor.plan import (
-    READING_KEYS,
-    batches_of,
-    check_robots,
-    check_shared_logs,
+from jointwear.monitor.batches import batches_of
+from jointwear.monitor.found_logs import (
     find_all_logs,
     find_logs,
     may_be_read,
     programs_without_logs,
     readable_files,
 )
+from jointwear.monitor.made_with import READING_KEYS
+from jointwear.monitor.robot_entries import check_robots
+from jointwear.monitor.shared_logs import check_shared_logs
 from jointwear.files.registered import will_be_fetched
 from jointwear.running.configuration import beside_workflow
 

@@ -14,9 +14,14 @@ from typing import Any
 
 from jointwear.files.digests import digest
 from jointwear.measurement.units import SPELLINGS
-from jointwear.monitor.plan import window_seconds
+from jointwear.monitor.lengths_of_time import window_seconds
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
+#: Keys of an entry that decide how a log is read; its windows depend on no other.
+READING_KEYS = (
+    "variables", "units", "joints", "topic", "window", "dead_band", "torque_constant", "scale", "sign", "time_zone",
+    "program",
+)  # fmt: skip
 #: Keys of a robot file that change no torque: its URDF counts by its content, wherever it lies.
 TOLD_ONLY = ("name", "provenance", "urdf", "inertia_check")
 

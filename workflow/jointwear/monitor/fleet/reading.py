@@ -26,9 +26,9 @@ from jointwear.files.schemas import check
 from jointwear.files.wording import count
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.fleet.plan import stamp_of
-from jointwear.monitor.made_with import made_with
+from jointwear.monitor.lengths_of_time import window_seconds
+from jointwear.monitor.made_with import READING_KEYS, made_with
 from jointwear.monitor.order_of_logs import in_order
-from jointwear.monitor.plan import READING_KEYS, window_seconds
 from jointwear.monitor.reading.assembly import Piece, fingerprint
 from jointwear.monitor.reading.piece_files import read_pieces, write_pieces
 from jointwear.monitor.reading.reading_stages import log_pieces, survey_logs

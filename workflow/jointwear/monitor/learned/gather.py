@@ -15,8 +15,8 @@ from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.timestamps import utc_seconds
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.judging.baseline import asked_for, baseline_of
+from jointwear.monitor.lengths_of_time import window_seconds
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.plan import window_seconds
 from jointwear.monitor.reading.misdated import misdated_words
 
 #: Longest piece of one stretch that is taken [s], so that many hours fit, and shortest that shows anything.

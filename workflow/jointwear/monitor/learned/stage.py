@@ -18,11 +18,11 @@ from jointwear.files.json_values import six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.measurement.derived.motion import Measured, measure
 from jointwear.measurement.formats import layout_of
+from jointwear.monitor.found_logs import find_logs
 from jointwear.monitor.learned.gather import Piece, baseline_pieces
 from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import FEWEST_PIECES, choose, recording_of
 from jointwear.monitor.learned_model import learnt_from
-from jointwear.monitor.plan import find_logs
 from jointwear.robots.robot import Robot, load_robot
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 

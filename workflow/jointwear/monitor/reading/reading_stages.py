@@ -12,7 +12,7 @@ from typing import Any
 
 from jointwear.files.json_documents import write_json
 from jointwear.measurement.formats import Layout, layout_of
-from jointwear.monitor.plan import window_seconds
+from jointwear.monitor.lengths_of_time import window_seconds
 from jointwear.monitor.reading.assembly import Piece
 from jointwear.monitor.reading.kept_surveys import keep_survey, kept_survey
 from jointwear.monitor.reading.logs import log_statistics
