@@ -34,6 +34,11 @@ def test_judgement_names_the_worn_axis_and_says_what_it_cannot_judge():
     assert first["probability_axis"] > 0.95
     assert first["change_low"] <= first["change"] <= first["change_high"]
     assert first["unit"] == "N m"
+    last = mine[-1]
+    assert last["growth_percent_low"] < last["growth_percent"] < last["growth_percent_high"]
+    # Coulomb friction of the normal period is 8 N m.
+    assert last["growth_percent"] == pytest.approx(100 * last["change"] / 8, rel=0.02)
+    assert last["limit_percent"] == SETTINGS.limit_percent
     assert first["hours_to_limit_low"] <= first["hours_to_limit"]
     assert set(result.status[:, 2]) == {UNJUDGED}
     assert set(result.status[:, 1]) == {HEALTHY}
@@ -384,6 +389,9 @@ def test_viscous_wear_is_told_as_such_in_estimates_and_alarms():
     result = judge(statistics_of(residuals(220, np.zeros((220, 3)), 23, extra)), 120, SETTINGS)
     mine = [a for a in result.alarms if a["detector"] == "model"]
     assert {(a["axis"], a["quantity"]) for a in mine} == {(1, VISCOUS_FRICTION)}
+    # In percent of the viscous friction of the normal period, though the change has another unit.
+    assert mine[-1]["unit"] == "N m s/rad"
+    assert mine[-1]["growth_percent"] == pytest.approx(100 * mine[-1]["change"] / VISCOUS[0], rel=0.1)
     # The level leaves viscous friction out as it was: what it takes of this growth is not known.
     assert np.isnan(result.estimates["coulomb_percent"][-24:, 0]).all()
     assert np.isfinite(result.estimates["coulomb_percent"][-24:, 1]).all()

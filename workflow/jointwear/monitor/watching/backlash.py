@@ -19,7 +19,7 @@ from jointwear.files.wording import name_axes
 from jointwear.monitor.normal.dispersion import Q80
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.monitor.watching.records import DETECTORS, UNJUDGED, record
+from jointwear.monitor.watching.records import DETECTORS, UNJUDGED, Grown, record
 from jointwear.monitor.watching.shift_forecast import Forecast
 from jointwear.monitor.watching.watching import Watch
 
@@ -176,8 +176,8 @@ def backlash_records(statistics: WindowStatistics, watched: Watch) -> list[dict[
             last = hour
             mean, error = watched.mean[k, j], watched.mean_std[k, j]
             change = [100 * float(np.expm1(v)) for v in (mean, mean - Q80 * error, mean + Q80 * error)]
-            nothing = Forecast(np.nan, np.nan, np.nan)
-            result.append(record(statistics.end[k], j + 1, BACKLASH, change, "%", np.nan, nothing, DETECTORS[0]))
+            grown, nothing = Grown(change, "%", change), Forecast(np.nan, np.nan, np.nan)
+            result.append(record(statistics.end[k], j + 1, BACKLASH, grown, np.nan, nothing, DETECTORS[0]))
     return result
 
 

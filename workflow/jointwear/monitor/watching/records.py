@@ -19,7 +19,7 @@ from jointwear.monitor.watching.decision import TOLERATED
 from jointwear.monitor.watching.limits import COULOMB, NOTHING, VISCOUS, Limits
 from jointwear.monitor.watching.locate import honest_probability
 from jointwear.monitor.watching.paper_detector import paper_alarms
-from jointwear.monitor.watching.parts import viscous_growth
+from jointwear.monitor.watching.parts import viscous_growth, viscous_scale
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.monitor.watching.shift_forecast import Forecast
 from jointwear.monitor.watching.watching import Watch
@@ -93,7 +93,7 @@ class Teller:
     ) -> None:
         self._s, self._baseline = statistics, baseline
         self._level, self._viscous, self._series, self._speed = level, viscous, series, speed
-        self._events = events
+        self._events, self._limit = events, limit
         self.viscous_alarm = self._viscous_alarm()
         self._alarm = level.alarm | self.viscous_alarm
         share = series["friction"].share
@@ -210,15 +210,23 @@ class Teller:
                 changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]
             else:
                 changes = [float(self._series["viscous"].unit[j]) * v for v in values]
-            unit = "N m"
+            percent, unit = [self._percent_of(j, name) * v for v in changes], "N m"
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
             # By what alarms its growth may be none: then, as while all axes move together, it may be chance.
             other_cause = bool(_together(level)[k]) or values[1] <= 0
             sure = honest_probability(statistic[k], threshold[k], other_cause)[j] if level.alarm[k, j] else np.nan
             expected = self._limits.forecast(k, j, name)[1]
-            result.append(record(self._s.end[k], int(j) + 1, name, changes, unit, float(sure), expected, DETECTORS[0]))
+            grown = Grown(changes, unit, percent, 100 * self._limit)
+            result.append(record(self._s.end[k], int(j) + 1, name, grown, float(sure), expected, DETECTORS[0]))
         return result
+
+    def _percent_of(self, j: int, name: str) -> float:
+        """Return the growth of a quantity of an axis, of what it was in the normal period, for one N m [%/(N m)]."""
+        axis = self._level.axes[j]
+        if name == COULOMB:
+            return 100 * axis.to_coulomb / axis.unit
+        return 100 * viscous_scale(float(self._series["friction"].share[j])) / float(self._series["viscous"].unit[j])
 
     def hours_to_limit(self) -> tuple[np.ndarray, list[str], np.ndarray]:
         """Return the forecasts (n, 3) of the changed axes at their last judged window, the quantity of each limit, and
@@ -288,21 +296,29 @@ def _paper_records(
     statistics: WindowStatistics, baseline: int, rate: float, programs: np.ndarray | None
 ) -> list[dict[str, Any]]:
     verdict = paper_alarms(statistics, baseline, rate, programs)
-    unknown = [np.nan] * 3
+    unknown = Grown([np.nan] * 3, "", [np.nan] * 3)
     return [
-        record(
-            statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, "", np.nan, NOTHING, DETECTORS[1]
-        )
+        record(statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, np.nan, NOTHING, DETECTORS[1])
         for k in np.flatnonzero(verdict.alarm)
-    ]  # fmt: skip
+    ]
+
+
+@dataclass(frozen=True)
+class Grown:
+    """What a quantity has grown by at an alarm: `change` in `unit` and `percent` of the normal period, each with the
+    ends of its 80 % interval; `limit` [%] that the forecast counts down to, NaN where there is none."""
+
+    change: Sequence[float]
+    unit: str
+    percent: Sequence[float]
+    limit: float = np.nan
 
 
 def record(
     time: float,
     axis: int,
     quantity: str,
-    change: list[float],
-    unit: str,
+    grown: Grown,
     probability: float,
     expected: Forecast,
     detector: str,
@@ -313,10 +329,14 @@ def record(
         "time": float(time),
         "axis": axis,
         "quantity": quantity,
-        "change": float(change[0]),
-        "change_low": float(change[1]),
-        "change_high": float(change[2]),
-        "unit": unit,
+        "change": float(grown.change[0]),
+        "change_low": float(grown.change[1]),
+        "change_high": float(grown.change[2]),
+        "unit": grown.unit,
+        "growth_percent": float(grown.percent[0]),
+        "growth_percent_low": float(grown.percent[1]),
+        "growth_percent_high": float(grown.percent[2]),
+        "limit_percent": float(grown.limit),
         "probability_axis": probability,
         "hours_to_limit": hours[0],
         "hours_to_limit_low": hours[1],
