@@ -6,9 +6,11 @@ import pytest
 from fleet_rows import axis
 
 from jointwear.files.errors import InputError
+from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import local_time, zone_of
 from jointwear.monitor.presentation.condition import CHANGED, AxisCondition, Outlook
 from jointwear.monitor.presentation.episodes import Episode
+from jointwear.monitor.presentation.page import now_words
 from jointwear.monitor.presentation.standing import axis_row
 from jointwear.monitor.presentation.words import MAY_BE_REACHED, change_words, outlook_words
 from jointwear.monitor.watching.records import DETECTORS
@@ -99,3 +101,14 @@ def test_a_forecast_that_is_open_at_both_ends_is_dated_as_from_no_day():
         told = outlook_words(row, {"hours": [middle, 0.0, None], "reached": False}, zone_of(None))
         assert told == "limit may be reached by now, or never"
     assert "not before" in outlook_words(row, {"hours": [None, 30.0, None], "reached": False}, zone_of(None))
+
+
+def test_the_page_says_over_which_windows_now_is_the_mean(monitored):
+    folder, _, _ = monitored
+    text = (folder / "monitor.html").read_text(encoding="utf-8")
+    now = "the mean of the last day (2026-01-02 12:00 UTC to 2026-01-03 12:00 UTC)"
+    assert f"Now is {now}." in text
+    assert f"T{now[1:]}, ± one standard deviation" in text
+    state = read_state(folder / "state.nc")
+    long = replace(state, start=20 * state.start, end=20 * state.start + 72000.0)
+    assert now_words(long, zone_of(None)).startswith("the mean of the last 3 windows (")

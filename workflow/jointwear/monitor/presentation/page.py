@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.text_files import replace_text
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import count, name_axes
 from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.judging.early_events import EARLY_EVENT
@@ -31,6 +31,7 @@ from jointwear.monitor.presentation.summaries import axis_summary, headline, tol
 from jointwear.monitor.presentation.temperature import temperature_share
 from jointwear.monitor.presentation.to_answer import asks_for_answer
 from jointwear.monitor.presentation.words import sure_percent, sure_words, todo
+from jointwear.monitor.watching.present import NOW, now_windows
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
 from jointwear.publishing.report.rendering import render_page
@@ -147,6 +148,13 @@ def _timelines(state: RobotState) -> dict[str, str]:
     }
 
 
+def now_words(state: RobotState, zone: tzinfo) -> str:
+    """Return in words over which windows what is told as of now is the mean."""
+    rows = now_windows(state.end)
+    last = "last day" if state.end[rows[0]] > state.end[-1] - NOW else f"last {count(len(rows), 'window')}"
+    return f"the mean of the {last} ({when(state, state.start[rows[0]], zone)} to {when(state, state.end[-1], zone)})"
+
+
 def _draw(
     state: RobotState, timelines: Iterable[str], warm: Sequence[int], folder: Path, zone: tzinfo
 ) -> dict[str, Path]:
@@ -219,6 +227,7 @@ def write_page(
         "timelines": shown,
         "span_of": span_of,
         "reasons": [why_unjudged(state, j) for j in range(state.axes)],
+        "now": now_words(state, zone),
         "span": (when(state, state.start[0], zone), when(state, state.end[-1], zone)),
         "baseline_end": when(state, state.end[state.baseline][-1], zone) if state.baseline.any() else "",
         # Where people read times in a zone of theirs, logs are likely to be written in it.
