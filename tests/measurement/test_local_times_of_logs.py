@@ -73,6 +73,39 @@ def test_every_format_follows_the_clock_on_the_wall_through_the_hour_that_comes_
     assert told == ""
 
 
+@pytest.mark.parametrize("rows", [500, 100_000])
+@pytest.mark.parametrize("origin", ["2026-10-25 01:30:00", "2026-10-01"])
+def test_seconds_of_netcdf_that_go_on_through_the_hour_that_comes_twice_are_no_hour_late(tmp_path, rows, origin):
+    """They had followed the clock on the wall, of which nothing falls back, and came an hour late from then on."""
+    begin = utc("2026-10-24T23:30:00")
+    first = begin - (utc(origin.replace(" ", "T")) - 7200)
+    path = netcdf(tmp_path / "a.nc", first + np.arange(9000.0), f"seconds since {origin}")
+    found, told = read(path, rows=rows, **BERLIN)
+    np.testing.assert_allclose(found, begin + np.arange(9000.0), atol=1e-6)
+    assert told == ""
+
+
+def test_a_clock_on_the_wall_of_netcdf_may_pause_through_the_hour_that_comes_twice(tmp_path):
+    """From 02:10 in summer time to 02:40 in winter time, as at the end of a shift: nothing goes on evenly."""
+    stamps = np.datetime64("2026-10-25T01:30:00", "ms") + 1000 * np.arange(2400)
+    stamps = np.concatenate([stamps, np.datetime64("2026-10-25T02:40:00", "ms") + 1000 * np.arange(3600)])
+    found, _ = read(log(tmp_path, "nc", stamps), **BERLIN)
+    assert found[0] == utc("2026-10-24T23:30:00")
+    assert found[-1] == utc("2026-10-25T02:39:59")
+
+
+def test_seconds_of_netcdf_that_go_on_through_the_hour_that_does_not_exist_are_told_with_both_mends(tmp_path):
+    """A clock that is not turned and seconds that go on show the same there, and other logs ask for other mends."""
+    values = np.arange(7200.0)
+    _, told = read(netcdf(tmp_path / "a.nc", values, f"seconds since {BEGIN.replace('T', ' ')}"), **BERLIN)
+    assert "'Etc/GMT-1' where it keeps winter time" in told
+    assert told.endswith(", or an offset behind the date of the unit of time where its numbers are seconds that go on")
+    mended = netcdf(tmp_path / "b.nc", values, f"seconds since {BEGIN.replace('T', ' ')} +01:00")
+    found, told = read(mended, **BERLIN)
+    np.testing.assert_allclose(found, utc(BEGIN) - 3600 + values, atol=1e-6)
+    assert told == ""
+
+
 @pytest.mark.parametrize("kind", ["csv", "parquet", "nc"])
 @pytest.mark.parametrize("rows", [500, 100_000])
 def test_a_logger_that_does_not_turn_its_clock_is_told_once_with_the_zone_to_state(tmp_path, kind, rows):

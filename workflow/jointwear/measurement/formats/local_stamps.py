@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from zoneinfo import ZoneInfo
 
@@ -14,6 +15,9 @@ from jointwear.measurement.timestamps import LATEST, zone_of_offset
 
 #: Time [s since 1970], the year 2128, from which on rules of summer time are not asked for; nanoseconds still reach it.
 FURTHEST = LATEST / 2
+#: Longest step [s] of times that go on through an hour that comes twice. A clock on the wall takes it without falling
+#: back where the logger pauses for an hour or more and ends within so much of when it began: by chance one in twenty.
+GOES_ON = 180.0
 #: What hours that do not exist prove.
 UNTURNED = "the logger does not turn its clock"
 
@@ -37,7 +41,7 @@ class LocalStamps:
     def __init__(self, zone: str | None = None) -> None:
         self._zone = zone
         self._highest, self._second = -np.inf, False
-        self._unturned = False
+        self._unturned = self._counted = False
         self.none_such: tuple[int, str] = (0, "")
 
     def seconds(self, column: pa.Array | pa.ChunkedArray) -> np.ndarray:
@@ -63,10 +67,17 @@ class LocalStamps:
         ----------
         seconds : (m,) from 1970 to the time, both by the clock on the wall; from :data:`FURTHEST` on they stay.
         """
-        known = np.abs(seconds) < FURTHEST
-        ticks = np.round(np.where(known, seconds, 0.0) * 1e9).astype(np.int64)
-        shown = pa.array(ticks, mask=~known).cast(pa.timestamp("ns"))
+        self._counted = True
+        known, shown = _shown(seconds)
         return np.where(known, seconds + (self.seconds(shown) - _seconds(shown)), seconds)
+
+    def comes_twice(self, seconds: np.ndarray) -> np.ndarray:
+        """Return which times (m,), as of :meth:`of_wall_clock`, the clock on the wall shows twice."""
+        if self._zone is None:
+            return np.zeros(len(seconds), dtype=bool)
+        _, shown = _shown(seconds)
+        found, later = (_seconds(self._zoned(shown, which)) for which in ("earliest", "latest"))
+        return later > found
 
     def _zoned(self, column: pa.Array | pa.ChunkedArray, ambiguous: str, nonexistent: str = "latest") -> pa.Array:
         """Return stamps by the clock on the wall with their zone."""
@@ -86,7 +97,7 @@ class LocalStamps:
         if not self._unturned:
             return found
         first = datetime.fromtimestamp(int(_seconds(column)[np.argmax(absent)]), tz=UTC).replace(tzinfo=None)
-        self.none_such = (int(absent.sum()), _of_unturned(first, self._zone))
+        self.none_such = (int(absent.sum()), _of_unturned(first, self._zone, self._counted))
         return np.where(absent, np.nan, found)
 
     def _fall(self, found: np.ndarray, twice: np.ndarray) -> int | None:
@@ -95,14 +106,44 @@ class LocalStamps:
         return first_long_run(twice & (found < before))
 
 
-def _of_unturned(stamp: datetime, zone: str) -> str:
-    """Return in words that a time does not exist in a zone, and what to state in its place."""
+def goes_on_through(pieces: Iterable[np.ndarray], zone: str) -> bool:
+    """Return whether times go on evenly through an hour that the clock on the wall shows twice, which they show once:
+    they are counted, and follow no clock on the wall.
+
+    Parameters
+    ----------
+    pieces : of the times [s] of one log in order, (m,) each, as of :meth:`LocalStamps.of_wall_clock`. zone : IANA.
+    """
+    stamps, highest, seen, inside = LocalStamps(zone), -np.inf, False, False
+    for piece in pieces:
+        wall = piece[np.isfinite(piece)]
+        if not len(wall):
+            continue
+        twice, top = stamps.comes_twice(wall), np.fmax.accumulate(np.concatenate([[highest], wall]))
+        touched = twice | np.concatenate([[inside], twice[:-1]])
+        if (np.diff(top)[touched] > GOES_ON).any() or first_long_run(twice & (wall < top[:-1])) is not None:
+            return False
+        highest, seen, inside = float(top[-1]), seen or bool(twice.any()), bool(twice[-1])
+    return seen and not inside
+
+
+def _shown(seconds: np.ndarray) -> tuple[np.ndarray, pa.Array]:
+    """Return which times (m,) [s] rules of summer time are asked for, and all as stamps that name no zone."""
+    known = np.abs(seconds) < FURTHEST
+    ticks = np.round(np.where(known, seconds, 0.0) * 1e9).astype(np.int64)
+    return known, pa.array(ticks, mask=~known).cast(pa.timestamp("ns"))
+
+
+def _of_unturned(stamp: datetime, zone: str, counted: bool) -> str:
+    """Return in words that a time does not exist in a zone, and what to state in its place; `counted`: the times are
+    numbers from an origin."""
     hours = ZoneInfo(zone).utcoffset(stamp).total_seconds() / 3600
     winter = f"'{zone_of_offset(int(hours))}' where it keeps winter time, " if hours and hours.is_integer() else ""
     return (
         f"the time {stamp.isoformat(sep=' ')} does not exist in {zone}, where summer time begins: {UNTURNED}, "
         "and its times in summer are read wrong; state 'time_zone' as "
         f"{winter}'UTC' where it keeps that"
+        + (", or an offset behind the date of the unit of time where its numbers are seconds that go on" * counted)
     )
 
 

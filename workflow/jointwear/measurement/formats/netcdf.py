@@ -15,7 +15,7 @@ from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.storage import open_dataset, read_variable
 from jointwear.measurement.formats.chunk import NEEDED, Chunk, make_chunk
 from jointwear.measurement.formats.layout import Layout
-from jointwear.measurement.formats.local_stamps import LocalStamps
+from jointwear.measurement.formats.local_stamps import LocalStamps, goes_on_through
 from jointwear.measurement.formats.programs import joined_labels
 from jointwear.measurement.units import UNITS, spelled
 
@@ -57,7 +57,10 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
                 raise InputError(f"{path}: variable '{name}' for {role} does not hold numbers")
         units = {role: str(there[name].units) for role, name in names.items() if hasattr(there[name], "units")}
         factor, origin, zoned = _date(path, there[names["time"]])
-        dated, local = origin is not None, LocalStamps(None if zoned else layout.time_zone)
+        zone = None if zoned else layout.time_zone
+        if zone and _counted(dataset, path, names["time"], factor, origin, zone, rows):
+            origin, zone = float(LocalStamps(zone).of_wall_clock(np.array([origin]))[0]), None
+        dated, local = origin is not None, LocalStamps(zone)
         for start in range(0, count["time"], rows):
             part = slice(start, start + rows)
             values = {
@@ -70,6 +73,27 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             if dated:
                 values["time"] = local.of_wall_clock(values["time"] * factor + origin)
             yield replace(make_chunk(path, values, layout, units, dated), none_such=local.none_such)
+
+
+def _counted(
+    dataset: netCDF4.Dataset, path: Path, name: str, factor: float, origin: float, zone: str, rows: int
+) -> bool:
+    """Return whether the times of a log are seconds that go on, though their origin is a time on the wall; `factor`,
+    `origin` [s] of their unit. Asked of logs alone during which the clock in `zone` is turned back."""
+    variable = dataset.variables[name]
+
+    def wall(part: slice) -> np.ndarray:
+        return floats(path, variable, read_variable(dataset, path, name, part)) * factor + origin
+
+    count = variable.shape[0] if variable.ndim else 0
+    if not count:
+        return False
+    ends = np.concatenate([wall(slice(0, 1)), wall(slice(count - 1, count))])
+    east = ends - LocalStamps(zone).of_wall_clock(ends)
+    # Where an end is not known, or astray, all of the times tell.
+    if np.isfinite(east).all() and east[0] == east[1]:
+        return False
+    return goes_on_through((wall(slice(start, start + rows)) for start in range(0, count, rows)), zone)
 
 
 def _turned(there: Mapping[str, netCDF4.Variable], names: Mapping[str, str], samples: int) -> str:
@@ -130,7 +154,8 @@ _GREENWICH = ("Z", "UTC", "GMT")
 def _date(path: Path, variable: netCDF4.Variable) -> tuple[float, float | None, bool]:
     """Return of CF time units the length [s], the origin [s since 1970] or None without a date, and whether it is UTC.
 
-    An origin that names no zone is one of the clock on the wall, as xarray writes it. That of Unix time is UTC.
+    An origin that names no zone is one of the clock on the wall, as xarray writes it, and so are the times but for
+    those of :func:`_counted`. That of Unix time is UTC.
 
     Raises
     ------
