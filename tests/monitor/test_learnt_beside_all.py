@@ -6,6 +6,7 @@ import pytest
 from jointwear.monitor.normal.conditions import Conditions
 from jointwear.monitor.normal.learning import learn_axes
 from jointwear.monitor.normal.series import Series
+from jointwear.monitor.watching.asked import Anew, Asked, Period
 from jointwear.monitor.watching.watching import watch
 
 #: Axes, shifts, windows of each, those of the baseline, and the first one after the service of axis 2.
@@ -30,7 +31,7 @@ def seen(own, common, services, seed=1):
     series = Series(level, 0.004**2 * flat, np.ones(AXES), np.ones(AXES))
     axes = learn_axes([series], ["friction"], conditions, np.repeat(BASELINE[:, None], AXES, axis=1), SHIFT)
     events = [[s * PER for s in one] for one in services]
-    return watch(axes, conditions, BASELINE, SHIFT, 1e-3, events)
+    return watch(axes, Period(conditions, BASELINE, SHIFT), Asked(1e-3), Anew(events))
 
 
 def told(axis=1, at=SERVICE):

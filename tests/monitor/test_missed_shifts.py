@@ -14,6 +14,7 @@ from jointwear.monitor.normal.learning import learn_axes
 from jointwear.monitor.normal.missed import missed_variance, with_missed, with_scatter
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.presentation.to_answer import ASKING
+from jointwear.monitor.watching.asked import Asked, Period
 from jointwear.monitor.watching.watched_axis import UNSEEN, WatchedAxis
 from jointwear.monitor.watching.watching import watch
 
@@ -43,11 +44,11 @@ def test_a_program_that_differs_from_shift_to_shift_is_not_judged_and_the_others
     assert loose[0].missed == pytest.approx(0.36, abs=0.1)
     assert loose[1].missed < 0.02
     later = ~BASELINE
-    result = watch(loose, conditions, BASELINE, SHIFT, 1e-3)
+    result = watch(loose, Period(conditions, BASELINE, SHIFT), Asked(1e-3))
     assert result.unseen[later & (PROGRAM == 1), 0].all()
     assert not result.unseen[later & (PROGRAM == 0), 0].any()
     assert not result.unseen[:, 1].any()
-    assert not watch(axes, conditions, BASELINE, SHIFT, 1e-3).unseen.any()
+    assert not watch(axes, Period(conditions, BASELINE, SHIFT), Asked(1e-3)).unseen.any()
 
 
 def test_a_program_that_errs_as_expected_stays_as_it_is():

@@ -341,7 +341,7 @@ def test_thicker_oil_adds_to_the_viscous_part_of_each_axis_its_share_of_it(monke
     # Held to one size for all axes, the fastest one would look worn.
     assert part[-1, 0] - shared_error(part, variance, baseline, shift).value[170, 0] > 0.02
     units = []
-    monkeypatch.setattr(judge_module, "watch", lambda *a, **k: units.append(k.get("unit")) or watch(*a, **k))
+    monkeypatch.setattr(judge_module, "watch", lambda *a, **k: units.append(a[2].unit) or watch(*a, **k))
     judge(statistics_of(residuals(200, np.zeros((200, 3)), 23)), 120, SETTINGS)
     assert units[-1] == pytest.approx(VISCOUS * 0.6 / (VISCOUS * 0.6 + [8.0, 2.0, 1.25]), rel=0.2)
 

@@ -9,7 +9,7 @@ the last shifts is decided on (:mod:`.decision`), at a stated rate of false alar
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.reading.zeros import changed_zero, zero_finding
 from jointwear.monitor.watching.allowance import BACKLASH_SHARE, LEVEL_SHARE, VISCOUS_SHARE
 from jointwear.monitor.watching.another_robot import Exchange, first_exchange, without_exchange
+from jointwear.monitor.watching.asked import Anew, Asked, Period
 from jointwear.monitor.watching.backlash import (
     BACKLASH,
     COARSEST,
@@ -122,16 +123,15 @@ def judge(
     limit = settings.limit_percent / 100
     friction = _watch_level(normal, seen, stated, recall, gains, LEAST * limit)
     level, normal = friction.watch, friction.normal
-    backlash = _watched(
-        normal["backlash"], seen, BACKLASH_SHARE * rate, friction.found, recall, services=False, coarsest=COARSEST
-    )
+    asked = Asked(BACKLASH_SHARE * rate, services=False, coarsest=COARSEST)
+    backlash = _watched(normal["backlash"], seen, asked, friction.found, recall)
     backlash = lasting(backlash, seen.regime, shift)
     # New grease has another viscosity: where a fall of the level starts anew, the viscous part does too. A fall of its
     # own starts nothing.
     fallen = [[s.window for s in starts if s.proposed] for starts in level.starts]
     # Thicker oil adds to the viscous friction of every axis its share of it, not the same part of its whole friction.
-    unit = 1.0 / _of_viscous(seen)
-    viscous = _watched(normal["viscous"], seen, VISCOUS_SHARE * rate, fallen, recall, unit=unit, services=False)
+    asked = Asked(VISCOUS_SHARE * rate, services=False, unit=1.0 / _of_viscous(seen))
+    viscous = _watched(normal["viscous"], seen, asked, fallen, recall)
     usual = usual_speed(statistics, first)
     teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
@@ -258,14 +258,13 @@ def _normal_states(
 def _watched(
     normal: list[AxisNormal | None],
     seen: Observed,
-    allowed: float,
+    asked: Asked,
     found: Sequence[Sequence[int]],
     recall: Recall | None,
-    **more: Any,
 ) -> Watch:
-    """Watch one quantity, at `allowed` false alarms a window; `found` are the windows from which it is learnt anew."""
-    where = (seen.events, found, seen.kept)
-    return watch(normal, seen.conditions, seen.baseline, seen.shift, allowed, *where, recall=recall, **more)
+    """Watch one quantity; `found` are the windows from which it is learnt anew."""
+    period, anew = Period(seen.conditions, seen.baseline, seen.shift), Anew(seen.events, found, seen.kept)
+    return watch(normal, period, asked, anew, recall)
 
 
 @dataclass(frozen=True)
@@ -297,14 +296,14 @@ def _watch_level(
     exchanges: list[Exchange] = []
     found = _windows_of(steps, [], len(normal["level"]))
     scale_rate, settled = SCALE_RATE / 1000 * seen.conditions.hours, False
-    allowed = LEVEL_SHARE * scale_rate
-    alone = {"services": False, "common": False}
     by_itself = np.array([axis is not None and axis.source == "coulomb" for axis in normal["level"]])
     unit = units_of_levels(seen.series["friction"].share, by_itself)
+    asked = Asked(LEVEL_SHARE * scale_rate, unit=unit, least=least)
+    alone = Asked(asked.rate, services=False, common=False)
     for _ in range(MOST_STEPS):
-        level = _watched(normal["level"], seen, allowed, found, recall, unit=unit, least=least)
-        scaled = _watched(normal["scale"], seen, scale_rate, found, recall, **alone)
-        plain = _watched(normal["level"], seen, allowed, found, recall, **alone)
+        level = _watched(normal["level"], seen, asked, found, recall)
+        scaled = _watched(normal["scale"], seen, replace(alone, rate=scale_rate), found, recall)
+        plain = _watched(normal["level"], seen, alone, found, recall)
         one = first_exchange(plain, seen.shift, seen.baseline)
         if one is not None and one not in exchanges:
             exchanges.append(one)
@@ -322,7 +321,7 @@ def _watch_level(
         found = _windows_of(steps, exchanges, len(found))
     if not settled or stated != SCALE_RATE:
         rate = stated / 1000 * seen.conditions.hours
-        level = _watched(normal["level"], seen, LEVEL_SHARE * rate, found, recall, unit=unit, least=least)
+        level = _watched(normal["level"], seen, replace(asked, rate=LEVEL_SHARE * rate), found, recall)
     return _Level(level, steps, exchanges, found, normal)
 
 

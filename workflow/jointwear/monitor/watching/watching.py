@@ -7,18 +7,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jointwear.monitor.normal.conditions import Conditions
 from jointwear.monitor.normal.dispersion import inflated
 from jointwear.monitor.normal.learning import AxisNormal
 from jointwear.monitor.normal.recall import Recall, key_of
 from jointwear.monitor.normal.shift_scale import own_scale, shift_scale
 from jointwear.monitor.normal.shifts import running_sums, shift_starts
 from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
+from jointwear.monitor.watching.asked import Anew, Asked, Period
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.growth_so_far import shrunk, stands_out
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
 from jointwear.monitor.watching.shared_error import COMMON_OF_TEMPERATURE, FINDING, SharedError, shared_error
-from jointwear.monitor.watching.watched_axis import UNSEEN, Common, Start, WatchedAxis
+from jointwear.monitor.watching.watched_axis import Common, Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
 FALL_RATE = 0.5
@@ -60,43 +60,22 @@ class Watch:
 
 
 def watch(
-    axes: list[AxisNormal | None],
-    conditions: Conditions,
-    baseline: np.ndarray,
-    shift: np.ndarray,
-    rate: float,
-    events: Sequence[Sequence[int]] = (),
-    proposed: Sequence[Sequence[int]] = (),
-    kept: Sequence[Sequence[int]] = (),
-    services: bool = True,
-    common: bool = True,
-    unit: np.ndarray | float = 1.0,
-    least: float = 0.0,
-    coarsest: float = UNSEEN,
-    recall: Recall | None = None,
+    axes: list[AxisNormal | None], period: Period, asked: Asked, anew: Anew | None = None, recall: Recall | None = None
 ) -> Watch:
     """Watch one quantity.
 
     Parameters
     ----------
-    axes : normal states, :func:`.learning.learn_axes`. baseline : (w,) bool. shift : (w,) labels.
-    rate : false alarms a window that all axes together may have.
-    events : per axis, windows at which the config says that something was done to it.
-    proposed : the same, found in the logs themselves. kept : those of `events` that leave alarms open, over which what
-        such an alarm tells of goes on.
-    services : whether falls propose services. common : whether what all axes have in common is taken out.
-    unit : (n,) what the axes have in common comes to each in these units, such as its share of viscous friction.
-    least : growth from which on somebody has to act, in units of the series. coarsest : standard deviation of a
-        prediction beyond which a window is not judged.
-    recall : of thresholds that were simulated before.
+    axes : normal states, :func:`.learning.learn_axes`. period : the windows. asked : of the quantity.
+    anew : from where axes are learnt anew, default nowhere. recall : of thresholds that were simulated before.
     """
-    none: list[list[int]] = [[]] * len(axes)
-    starts = _told_starts(events or none, proposed or none, kept or none)
-    fall_rate = FALL_RATE / 1000 * conditions.hours
-    limits = _limits(axes, shift, baseline, rate, fall_rate, recall or Recall())
-    if not services:
+    baseline, shift = period.baseline, period.shift
+    starts = (anew or Anew()).starts(len(axes))
+    fall_rate = FALL_RATE / 1000 * period.conditions.hours
+    limits = _limits(axes, shift, baseline, asked.rate, fall_rate, recall or Recall())
+    if not asked.services:
         limits = replace(limits, fall=np.full(len(axes), np.inf))
-    states, beside, evidence = _settled(axes, starts, limits, baseline, shift, common, unit, least, coarsest)
+    states, beside, evidence = _settled(axes, starts, limits, period, asked)
     shape = (len(shift), len(axes))
     nothing = {"growth": -np.inf, "fall": -np.inf, "step": -np.inf, "mean": np.nan, "std": np.nan, "shifts": 0}
     told = {
@@ -125,15 +104,7 @@ def watch(
 
 
 def _settled(
-    axes: Sequence[AxisNormal | None],
-    starts: list[list[Start]],
-    limits: _Limits,
-    baseline: np.ndarray,
-    shift: np.ndarray,
-    common: bool,
-    unit: np.ndarray | float,
-    least: float,
-    coarsest: float,
+    axes: Sequence[AxisNormal | None], starts: list[list[Start]], limits: _Limits, period: Period, asked: Asked
 ) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
     """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
     service; those that are found are added to `starts`, and what has grown goes on over those that are kept, or is told
@@ -141,12 +112,12 @@ def _settled(
 
     Parameters
     ----------
-    limits : of the evidence, that of falls infinite where none proposes a service. baseline, shift, common, unit,
-    least, coarsest : as of :func:`watch`.
+    limits : of the evidence, that of falls infinite where none proposes a service. period, asked : as of :func:`watch`.
     """
+    baseline, shift = period.baseline, period.shift
 
     def held(axis: int, shared: Common | None = None) -> WatchedAxis:
-        return WatchedAxis(axes[axis], baseline, shift, starts[axis], least, coarsest, shared)
+        return WatchedAxis(axes[axis], baseline, shift, starts[axis], asked.least, asked.coarsest, shared)
 
     states: dict[int, WatchedAxis] = {}
     after = after_baseline(baseline)
@@ -154,12 +125,12 @@ def _settled(
     # Services change what comes after them: found one after the other, until none is left.
     for _ in range(_MOST_TURNS):
         states |= {j: held(j) for j in again}
-        beside = _beside(states, len(axes), baseline, shift, common, unit)
+        beside = _beside(states, len(axes), period, asked)
         anew = [j for j in states if starts[j]]
-        if common and anew:
+        if asked.common and anew:
             # Of what all axes had in common while one was learnt anew the others tell, and it changes little of that.
             states |= {j: held(j, beside.common(j)) for j in anew}
-            beside = _beside(states, len(axes), baseline, shift, common, unit)
+            beside = _beside(states, len(axes), period, asked)
         evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
         again = []
         for j in states:
@@ -177,18 +148,6 @@ def _settled(
     for j, state in states.items():
         starts[j] = _with_left(starts[j], state, *beside.of(j)[:2])
     return states, beside, evidence
-
-
-def _told_starts(
-    events: Sequence[Sequence[int]], proposed: Sequence[Sequence[int]], kept: Sequence[Sequence[int]]
-) -> list[list[Start]]:
-    """Return where each axis is learnt anew by events of the config and by those that the logs themselves show."""
-    told = (
-        # No growth goes on over what the logs show in the same window, such as another scale.
-        [Start(k, k in g and k in p, k in g and k not in p) for k in e] + [Start(k, True) for k in set(p) - set(e)]
-        for e, p, g in zip(events, proposed, kept, strict=True)
-    )
-    return [sorted(one, key=lambda start: start.window) for one in told]
 
 
 def _columns(of_axes: dict[int, np.ndarray], shape: tuple[int, int], nothing: float) -> np.ndarray:
@@ -254,15 +213,9 @@ class _Beside:
         return self.shared.value[:, axis], self.shared.variance[:, axis], self.shared.known[:, axis]
 
 
-def _beside(
-    states: dict[int, WatchedAxis],
-    n: int,
-    baseline: np.ndarray,
-    shift: np.ndarray,
-    common: bool,
-    unit: np.ndarray | float,
-) -> _Beside:
-    """Return what the axes tell of each other; `common` and `unit` are those of :func:`watch`."""
+def _beside(states: dict[int, WatchedAxis], n: int, period: Period, asked: Asked) -> _Beside:
+    """Return what the axes tell of each other; `period` and `asked` are those of :func:`watch`."""
+    baseline, shift = period.baseline, period.shift
     shape = (len(shift), n)
     raw = _columns({j: state.residual for j, state in states.items()}, shape, np.nan)
     spread = _columns({j: state.total_variance for j, state in states.items()}, shape, np.nan)
@@ -271,8 +224,8 @@ def _beside(
     memory = np.zeros(n)
     for j, state in states.items():
         memory[j] = state.normal.dispersion.memory
-    if common:
-        alike, shared = COMMON_OF_TEMPERATURE, shared_error(raw, spread, baseline, shift, beyond, unit)
+    if asked.common:
+        alike, shared = COMMON_OF_TEMPERATURE, shared_error(raw, spread, baseline, shift, beyond, asked.unit)
     else:
         alike, nothing = 0.0, np.zeros(shape)
         shared = SharedError(nothing, nothing, np.zeros(len(shift)), np.zeros(shape, dtype=bool))
