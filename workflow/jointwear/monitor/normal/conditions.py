@@ -32,6 +32,7 @@ from jointwear.monitor.normal.override import path_speed, unseen_speed
 from jointwear.monitor.normal.payload import GravityTorque
 from jointwear.monitor.normal.warm_up import warm_up_state
 from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.statistics.known import known_median
 
 CONSTANT, SLOPE, CURVE, WARM, DAY = 3.0, 0.02, 5e-4, 0.2, 0.03
 #: A thermometer on a housing follows the oil with a delay, so that a cold morning does not tell of a cold day: times
@@ -207,11 +208,11 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     columns = _Columns([np.ones(len(conditions.start))], [CONSTANT])
     temperature = conditions.temperature[:, axis]
     known = bool(np.isfinite(temperature[baseline]).any())
-    warmer = temperature - float(np.nanmedian(temperature[baseline])) if known else None
+    warmer = temperature - float(known_median(temperature[baseline])) if known else None
     warm = None if warm is None else warm - float(np.mean(warm[baseline]))
     thermal = _add_thermal(columns, conditions, baseline, warmer, warm)
     features = conditions.features[:, axis]
-    usual = np.nanmedian(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
+    usual = known_median(features[baseline], axis=0) if np.isfinite(features[baseline]).any() else np.zeros(5)
     centred = features - usual
     columns.add(centred.T, FEATURES)
     if warmer is not None:

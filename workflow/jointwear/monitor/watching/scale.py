@@ -253,7 +253,7 @@ def mean_residual(watched: Watch, rows: slice | np.ndarray, j: int, shift: np.nd
         return np.nan, np.inf
     weight = 1.0 / variance[good]
     axis = watched.axes[j]
-    normal = float(np.nanmedian(axis.fit.left_out_variance))
+    normal = float(known_median(axis.fit.left_out_variance))
     error = np.sqrt(1.0 / weight.sum() + axis.dispersion.between**2 / len(np.unique(label[good])) + normal)
     return float(weight @ value[good] / weight.sum()), float(error)
 
