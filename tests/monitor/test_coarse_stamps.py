@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointwear.measurement.derived.even_steps import usual_step
+from jointwear.measurement.derived.even_steps import step_of, steps_in, usual_step
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.monitor.reading.derivation import derive_motion
 
@@ -44,3 +44,15 @@ def test_the_usual_step_is_the_mean_of_those_that_are_alike():
     assert usual_step(steps) == pytest.approx(0.004)
     assert usual_step(np.zeros(0)) == 0.0
     assert usual_step(np.full(5, 0.01)) == pytest.approx(0.01)
+
+
+def test_the_step_of_a_log_is_that_between_samples_of_one_stretch():
+    time, stretch = np.array([0.0, 0.01, 0.02, 7.0, 7.01, 90.0]), np.array([0, 0, 0, 1, 1, 2])
+    assert step_of(time, stretch) == pytest.approx(0.01)
+    assert step_of(time[[0, 3, 5]], np.arange(3)) == np.inf
+
+
+@pytest.mark.parametrize(("seconds", "rate", "held"), [(0.1, 125, 12), (0.1, 100, 10), (0.04, 62.5, 2), (0.3, 125, 37)])
+def test_the_round_off_of_stamps_does_not_decide_how_many_steps_a_time_holds(seconds, rate, held):
+    assert [steps_in(seconds, off / rate) for off in (1 - 1e-6, 1, 1 + 1e-6)] == 3 * [held]
+    assert steps_in(seconds, np.inf) == 0

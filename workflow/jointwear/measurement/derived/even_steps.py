@@ -29,6 +29,9 @@ EVEN = 1e-3
 CLEARER = 0.5
 #: Fewest samples that are put on a grid.
 SHORTEST = 24
+#: Part of a step from which on a time holds one step more. Not a half: a tenth of a second at 125 Hz is 12.5 steps, and
+#: the round-off of stamps would decide between 12 and 13, block by block.
+ONE_MORE = 0.55
 #: Part of a step by which a step may differ from a whole number of them and be counted by itself.
 NEAR_WHOLE = 0.25
 #: Parts of what a stamp is early or late by which the place of a sample and the step follow it.
@@ -71,6 +74,22 @@ def usual_step(steps: np.ndarray) -> float:
             break
         usual = float(np.mean(steps[near]))
     return usual
+
+
+def step_of(time: np.ndarray, stretch: np.ndarray) -> float:
+    """Return the usual time [s] between samples that follow each other in a stretch, infinite where none do.
+
+    Parameters
+    ----------
+    time : (m,) [s], rising within each stretch. stretch : (m,) labels.
+    """
+    steps = np.diff(time)[np.diff(stretch) == 0]
+    return usual_step(steps) if len(steps) else np.inf
+
+
+def steps_in(seconds: float, step: float) -> int:
+    """Return how many steps [s] a time [s] holds, rounded at :data:`ONE_MORE`."""
+    return int(seconds / step + 1.0 - ONE_MORE)
 
 
 def _tick(steps: np.ndarray) -> float:

@@ -24,6 +24,7 @@ from typing import Protocol
 
 import numpy as np
 
+from jointwear.measurement.derived.even_steps import steps_in
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
@@ -118,7 +119,7 @@ def with_loads(
     step : [s] between samples. torques : of loads at samples. least : smallest mass [kg].
     """
     clear = np.ones(used.shape, dtype=bool)
-    every = max(round(STEP / step), 1)
+    every = max(steps_in(STEP, step), 1)
     index = [np.arange(piece.start, piece.stop, every) for group in groups for piece in group]
     rows = np.concatenate(index) if index else np.zeros(0, dtype=int)
     if not len(rows):
@@ -411,4 +412,4 @@ def _smooth(values: np.ndarray, width: int) -> np.ndarray:
 def near_switch(carried: np.ndarray, step: float) -> np.ndarray:
     """Return the samples (m,) within :data:`EDGE` of picking up or putting down."""
     turn = np.concatenate([[False], carried[1:] != carried[:-1]])
-    return _smooth(turn.astype(float), 2 * round(EDGE / step) + 1) > 0.5
+    return _smooth(turn.astype(float), 2 * steps_in(EDGE, step) + 1) > 0.5

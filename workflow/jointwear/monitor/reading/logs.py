@@ -11,6 +11,7 @@ from jointwear.files.errors import InputError
 from jointwear.measurement.checks.clipped_torque import at_limit
 from jointwear.measurement.checks.held_rows import without_lines
 from jointwear.measurement.clock import Clock, Ordered, join, part_of
+from jointwear.measurement.derived.even_steps import step_of
 from jointwear.measurement.derived.jumps import without_jumps_of
 from jointwear.measurement.derived.torque_spikes import without_spikes_of
 from jointwear.measurement.flags import Flag
@@ -67,8 +68,6 @@ def log_statistics(
         length,
         np.array(survey.dead_band),
         np.array(survey.torque_reference),
-        guard=guard_of(survey.rate),
-        reach=reach_of(survey.rate),
         block=survey.block,
     )
     inspector = Inspector(model, survey, path)
@@ -151,6 +150,8 @@ def _block_statistics(
     first log."""
     around = replace(around, chunk=without_spikes_of(around.chunk, around.stretch))
     chunk = around.chunk
+    step = step_of(chunk.time, around.stretch)
+    settings = replace(settings, guard=guard_of(1 / step), reach=reach_of(1 / step))
     measured = without_jumps_of(without_lines(chunk, around.stretch), around.stretch)
     motion = derive_motion(measured, around.stretch, np.array(survey.cutoff))
     marks = inspector(around, motion, kept)
@@ -159,7 +160,7 @@ def _block_statistics(
     torque = model_torque(model, around, motion, usable, settings.dead_band)
     # An axis whose torque is none says nothing of the load that all axes carry.
     sound = (flags & int(Flag.CONTRADICTED | Flag.TORQUE_FROZEN)) == 0
-    seen, values = SeenBlock(around, motion, loads, least_mass(model.robot), settings, survey), chunk.torque
+    seen, values = SeenBlock(around, motion, loads, least_mass(model.robot), settings, survey, step), chunk.torque
     loaded, clear = seen.with_loads(torque, values, usable & sound)
     later = seen.later(loaded, values, usable & clear & sound)
     if abs(later) > LARGEST:

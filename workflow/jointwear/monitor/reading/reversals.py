@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.measurement.derived.even_steps import reaches
+from jointwear.measurement.derived.even_steps import reaches, steps_in
 from jointwear.monitor.reading.model import ModelTorque
 
 #: Half of the span [s] over which the mean is taken, and that lies between a used sample and the next rest or turn:
@@ -48,7 +48,7 @@ def reach_of(rate: float) -> int:
     """Return :data:`REACH` in samples of a rate [Hz], 0 where the rate shows no pulse."""
     if not reaches(rate, SLOWEST):
         return 0
-    return min(round(REACH * rate), int(MOST_SAMPLES * REACH / (REACH + NEAR)))
+    return min(steps_in(REACH, 1 / rate), int(MOST_SAMPLES * REACH / (REACH + NEAR)))
 
 
 def pulses(left: np.ndarray, model: ModelTorque, used: np.ndarray, stretch: np.ndarray, reach: int) -> Pulses:

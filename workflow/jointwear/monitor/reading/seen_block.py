@@ -38,7 +38,8 @@ def model_torque(
 class SeenBlock:
     """A block and what its torques (m, n) show, given a model along its motion and the samples that may be used.
 
-    `least` : smallest mass [kg] of a load.
+    `least` : smallest mass [kg] of a load. `step` : usual time [s] between its samples, infinite where none follow each
+    other: a log need not be sampled as the first one is.
     """
 
     around: Ordered
@@ -47,6 +48,7 @@ class SeenBlock:
     least: float
     settings: WindowSettings
     survey: Survey
+    step: float
 
     def with_loads(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> tuple[ModelTorque, np.ndarray]:
         """Return the torque of the model with the loads that each window shows, and the samples clear of a switch.
@@ -56,20 +58,20 @@ class SeenBlock:
         torque : (m, n) measured [N m]. usable : (m, n) bool.
         """
         residual = torque - model.total
-        used, step = self._moved(usable & np.isfinite(residual)), 1 / max(self.survey.rate, 1e-3)
-        return with_loads(model, residual, self.motion.velocity, used, self._groups, step, self._along, self.least)
+        used, speed = self._moved(usable & np.isfinite(residual)), self.motion.velocity
+        return with_loads(model, residual, speed, used, self._groups, self.step, self._along, self.least)
 
     def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray, every: int = 1) -> Lag:
         """Return how late a torque (m, n) [N m] is against the motion, by one of `every` windows; `model` with the
         loads, `usable` (m, n) bool."""
         motion, pieces = (self.motion.velocity, self.motion.acceleration), self._pieces[::every]
-        return lag_of(torque, model, motion, self._moved(usable), pieces, 1 / self.survey.rate, self._along)
+        return lag_of(torque, model, motion, self._moved(usable), pieces, self.around.chunk.time, self._along)
 
     def later(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> float:
-        """Return by how much later [s] a torque is than in the first log, 0 where that does not matter; arguments as of
-        :meth:`lag`."""
+        """Return by how much later [s] a torque is than in the first log, 0 where that does not matter or samples too
+        far apart do not tell; arguments as of :meth:`lag`."""
         first = self.survey.lag
-        if first is None:
+        if first is None or not self._close:
             return 0.0
         if len(self._pieces) > GLANCE and plainly_none(self.lag(model, torque, usable, GLANCE), first):
             return 0.0
@@ -90,19 +92,23 @@ class SeenBlock:
         ----------
         model, torque, usable : as of :meth:`lag`. dynamics : of the model.
         """
-        if not reaches(self.survey.rate, SLOWEST_RATE) or not usable.any():
+        if not self._close or not usable.any():
             return
         motion = self.motion.position, self.motion.velocity, self.motion.acceleration
         used, time = self._moved(usable), self.around.chunk.time
         own = [slice(max(s.start, kept.start), min(s.stop, kept.stop)) for s in self._pieces]
         own = [s for s in own if s.stop > s.start]
         row = np.searchsorted(statistics.start, time[[s.start for s in own]], side="right") - 1
-        crossed, shown = angles_of(torque, model, motion, used, own, 1 / self.survey.rate, dynamics, self._along)
+        crossed, shown = angles_of(torque, model, motion, used, own, self.step, dynamics, self._along)
         np.add.at(statistics.turned, row, crossed)
         np.add.at(statistics.turned_shown, row, shown)
 
     def _moved(self, usable: np.ndarray) -> np.ndarray:
         return usable & self._moving
+
+    @property
+    def _close(self) -> bool:
+        return reaches(1 / self.step, SLOWEST_RATE)
 
     @cached_property
     def _moving(self) -> np.ndarray:
@@ -116,7 +122,7 @@ class SeenBlock:
     @cached_property
     def _groups(self) -> list[list[slice]]:
         window = np.floor(self.around.chunk.time / self.settings.length)
-        return together(self._pieces, window, self.around.stretch, 1 / max(self.survey.rate, 1e-3))
+        return together(self._pieces, window, self.around.stretch, self.step)
 
     @cached_property
     def _along(self) -> LoadsOnMotion:

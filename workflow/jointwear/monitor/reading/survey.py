@@ -1,4 +1,4 @@
-"""What the first log tells about all: cut-off, dead band, torque scale, clock. Every other log is read with it.
+"""What the first log tells about all: cut-off, dead band, torque scale, lag. Every other log is read with it.
 
 Only the first log decides, so that a log that arrives later changes nothing of what was worked out before.
 """
@@ -16,7 +16,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import read_json, write_json
 from jointwear.files.wording import count
 from jointwear.measurement.clock import Clock, Ordered
-from jointwear.measurement.derived.even_steps import reaches, usual_step
+from jointwear.measurement.derived.even_steps import reaches, step_of
 from jointwear.measurement.derived.filtering import SAFELY
 from jointwear.measurement.derived.spectral_floor import spectral_floor
 from jointwear.measurement.formats import Chunk, Layout, read_log
@@ -61,11 +61,11 @@ FEWEST_SAMPLES, LONGEST_LAG, FEWEST_PAIRS, FORGOTTEN = 50, 400, 20, 0.05
 class Survey:
     """What the first log tells. Lists have one value an axis.
 
-    `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz];
-    `dated`; `measured`: roles that the log has; `left`: share of the squared torque that the model leaves, or None;
-    `late`, `late_error` [s]: how late the torque is, :mod:`.torque_lag`, None where that is not seen;
-    `block` [s] of :class:`~.accumulate.WindowSettings`; `log`: the log itself; `noisy`: the axis
-    moves, and its dead band comes from the noise of its velocity.
+    `cutoff` [Hz] of the filter for what is derived; `dead_band` [rad/s]; `torque_reference` [N m]; `rate` [Hz] of this
+    log, others have their own; `dated`; `measured`: roles that the log has; `left`: share of the squared torque that
+    the model leaves, or None; `late`, `late_error` [s]: how late the torque is, :mod:`.torque_lag`, None where that is
+    not seen; `block` [s] of :class:`~.accumulate.WindowSettings`; `log`: the log itself; `noisy`: the axis moves, and
+    its dead band comes from the noise of its velocity.
     """
 
     dated: bool
@@ -125,8 +125,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         :class:`~jointwear.measurement.refused.Refused`, with what to mend.
     """
     chunk, stretch = _first_samples(path, layout, length)
-    steps = np.diff(chunk.time)[np.diff(stretch) == 0]
-    rate = 1.0 / usual_step(steps) if len(steps) else 0.0
+    rate = 1.0 / step_of(chunk.time, stretch)
     roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
     derived = "velocity" not in roles or "acceleration" not in roles
     if derived and not reaches(rate, SLOWEST_RATE):
@@ -232,7 +231,7 @@ def _lag(first: _First, length: float) -> Lag:
     groups = together(pieces, np.floor(time / length), stretch, 1 / rate)
     along = LoadsOnMotion(FlangeLoad(robot), q, v, a)
     torque, clear = with_loads(first.torque, residual, v, used, groups, 1 / rate, along, least_mass(robot))
-    return lag_of(first.chunk.torque[part], torque, (v, a), used & clear, pieces, 1 / rate, along)
+    return lag_of(first.chunk.torque[part], torque, (v, a), used & clear, pieces, time, along)
 
 
 def _spectra(chunk: Chunk, stretch: np.ndarray, rate: float, derived: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -308,8 +307,7 @@ def _block_length(first: _First, length: float) -> float:
     time, stretch, v = first.chunk.time[part], first.stretch[part], first.motion.velocity[part]
     gravity, inertial = first.torque.gravity[part], first.torque.inertial[part]
     residual, used = first.left(part)
-    steps = np.diff(time)[np.diff(stretch) == 0]
-    step = usual_step(steps) if len(steps) else 1.0
+    step = 1 / first.rate if first.rate else 1.0
     memory = 1.0
     for j in range(v.shape[1]):
         u = used[:, j]

@@ -21,6 +21,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from jointwear.measurement.derived.even_steps import steps_in, usual_step
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.reading.carried import UnitTorques
 from jointwear.monitor.reading.model import ModelTorque
@@ -82,7 +83,7 @@ def lag_of(
     motion: tuple[np.ndarray, np.ndarray],
     used: np.ndarray,
     pieces: Sequence[slice],
-    step: float,
+    time: np.ndarray,
     loads: UnitTorques,
 ) -> Lag:
     """Return how late the torque (m, n) [N m] of each axis is.
@@ -90,13 +91,17 @@ def lag_of(
     Parameters
     ----------
     model : torques (m, n) along the motion, with the loads. motion : velocity and acceleration (m, n) [rad/s, rad/s2].
-    used : (m, n) samples that count, moving ones. pieces : uninterrupted samples of one window. step : [s] between
-        samples. loads : torques of loads at the flange, by samples.
+    used : (m, n) samples that count, moving ones. pieces : uninterrupted samples of one window. time : (m,) [s],
+        of which each piece has its own step: a log need not be sampled as the first one is, nor as it was.
+    loads : torques of loads at the flange, by samples.
     """
     n = torque.shape[1]
     crossed, shown, left, count = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    every, begins = max(round(STEP / step), 1), max(round(BEGINS / step), 1)
     for piece in pieces:
+        if piece.stop - piece.start < FEWEST_OF_WINDOW:
+            continue
+        step = usual_step(np.diff(time[piece]))
+        every, begins = max(steps_in(STEP, step), 1), max(steps_in(BEGINS, step), 1)
         rows = np.arange(piece.start, piece.stop, every)
         if len(rows) < FEWEST_OF_WINDOW:
             continue

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.measurement.derived.even_steps import steps_in
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.carried import UnitTorques
@@ -76,7 +77,7 @@ def angles_of(
     """
     n = torque.shape[1]
     crossed, shown = np.zeros((2, len(pieces), n))
-    thinned = [np.arange(s.start, s.stop, max(round(STEP / step), (s.stop - s.start) // MOST, 1)) for s in pieces]
+    thinned = [np.arange(s.start, s.stop, max(steps_in(STEP, step), (s.stop - s.start) // MOST, 1)) for s in pieces]
     enough = [p for p, rows in enumerate(thinned) if len(rows) >= FEWEST_OF_PIECE]
     if not enough:
         return crossed, shown
