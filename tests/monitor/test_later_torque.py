@@ -292,7 +292,7 @@ def test_a_part_on_some_moves_is_no_factor_of_all_torques(tmp_path):
 
 def test_a_clock_is_asked_again_without_the_part_that_a_first_log_shows(tmp_path, monkeypatch):
     def refuse(*_):
-        raise Refused("time looks stretched", "multiply the time")
+        raise Refused("time looks stretched", "divide the times")
 
     monkeypatch.setattr(misreadings, "check_time_scale", refuse)
     reading = layout_of({}, ARM.joint_names), TorqueModel(ARM)

@@ -6,6 +6,9 @@ from monitor_windows import motion, residuals, statistics_of
 
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED, odd_motion_findings
+from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.model import ModelTorque
+from jointwear.monitor.reading.windows import merge
 
 #: Windows, and those of a shift; the first four shifts are the baseline. Two programs take turns.
 WINDOWS, SHIFT, STEP = 64, 8, 0.02
@@ -13,7 +16,7 @@ SHIFTS, PROGRAM = np.arange(WINDOWS) // SHIFT, np.arange(WINDOWS) % 2
 
 
 def month(speed=1.0, step=1.0, since=48, seed=3):
-    """Windows of three axes; from `since` on the speed is another, and so is the time between samples."""
+    """Windows of three axes; from `since` on speed and time between samples are these times what they were."""
     s = statistics_of(residuals(WINDOWS, np.zeros((WINDOWS, 3)), seed))
     scatter = np.exp(0.03 * np.random.default_rng(seed).standard_normal(WINDOWS))
     size = scatter * np.where(PROGRAM, 1.6, 1.0) * np.where(np.arange(WINDOWS) >= since, speed, 1.0)
@@ -45,8 +48,30 @@ def test_a_clock_at_another_speed_is_told_while_it_runs(factor, regime):
     (found,) = findings(month(speed=1 / factor, step=factor), regime)
     assert found["kind"] == CLOCK_SPEED
     assert (found["time"], found["end"]) == (48 * 3600.0, WINDOWS * 3600.0)
-    told = float(found["words"].split("runs at ")[1].split(" ")[0])
-    assert told == pytest.approx(1 / factor, rel=0.1)
+    told = float(found["words"].split("divide the times by ")[1].split(",")[0])
+    assert told == pytest.approx(factor, rel=0.1)
+    assert ("stretched by" if factor > 1 else "compressed to") in found["words"]
+
+
+def swings(since, factor):
+    """Windows of an arm that swings; from a window on logged seconds count `factor` of those that pass."""
+    passed, parts = np.arange(500) / 10, []
+    settings = WindowSettings(3600.0, np.full(3, 0.02), np.full(3, 10.0))
+    for k in range(WINDOWS):
+        time = 3600.0 * k + passed * (factor if k >= since else 1.0)
+        position = np.sin(2 * np.pi * np.array([0.2, 0.31, 0.27]) * passed[:, None] + np.arange(3))
+        velocity = np.gradient(position, time, axis=0)
+        torque = 3 * np.sign(velocity) + 0.1 * np.random.default_rng(k).standard_normal(velocity.shape)
+        parts.append(window_statistics(time, position, velocity, torque, ModelTorque(*3 * [0 * torque]), settings))
+    return merge(parts)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_times_that_are_divided_by_what_the_page_says_are_right(factor):
+    (found,) = findings(swings(48, factor), None)
+    told = float(found["words"].split("divide the times by ")[1].split(",")[0])
+    assert told == pytest.approx(factor, rel=0.02)
+    assert findings(swings(48, factor / told), None) == []
 
 
 @pytest.mark.parametrize(("speed", "step"), [(0.5, 1.0), (1.0, 0.5), (0.5, 0.5), (0.9, 1.1), (0.7, 1.1), (1.0, 1.0)])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from jointwear.files.wording import significant
 from jointwear.measurement.checks.axes_check import FAVOURS, best_reading, explained, total_left
 from jointwear.measurement.checks.axis_readings import INERTIAL_ERROR, Likelihood
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
@@ -64,11 +65,25 @@ def check_time_scale(name: str, robot: Robot, parts: np.ndarray, usable: np.ndar
             "check the unit of the time; give rows of one recording, none lost or mixed with others, with positions "
             "that are measured in each row; check the lengths [m] and masses [kg] of the robot file",
         )
+    looks, mend = stretch_in_words(factor)
     raise Refused(
         f"{name}: inertial torques of all joints are {factor**2:.3g} times what the motion asks for: time looks "
-        f"{_wrong(factor)}, as where a rate is stated wrongly",
-        f"multiply the time by {1 / factor:.3g}, or write it at the rate at which the samples were taken",
+        f"{looks}, as where a rate is stated wrongly",
+        f"{mend}, or write them at the rate at which the samples were taken",
     )
+
+
+def stretch_in_words(factor: float, digits: int = 3) -> tuple[str, str]:
+    """Return how time looks, and what puts it right.
+
+    Parameters
+    ----------
+    factor : seconds that the stamps count in one second of the motion: 2 where logged time runs twice as fast.
+    digits : of the factor that are told.
+    """
+    size = significant(factor, digits)
+    looks = f"stretched by {size}" if factor > 1 else f"compressed to {size} of itself"
+    return looks, f"divide the times by {size}"
 
 
 def keeps_time(robot: Robot, parts: np.ndarray, usable: np.ndarray) -> bool:
@@ -114,7 +129,3 @@ def _likeliest(bodies: Dynamics, parts: np.ndarray, usable: np.ndarray) -> tuple
     bounds = (0.0, far) if faster > slower else (-far, 0.0)
     best = minimize_scalar(lambda x: -nats(x), bounds=bounds, method="bounded", options={"xatol": CLOSELY})
     return float(best.x), -float(best.fun), -float(best.fun) - as_read
-
-
-def _wrong(factor: float) -> str:
-    return f"stretched by {factor:.3g}" if factor > 1 else f"compressed to {factor:.3g} of itself"

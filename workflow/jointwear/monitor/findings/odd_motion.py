@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
+from jointwear.measurement.checks.time_scale import stretch_in_words
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.spells import spell_finding, spells
 from jointwear.monitor.reading.after_baseline import after_baseline
@@ -33,7 +34,6 @@ from jointwear.monitor.reading.regimes import (
     signatures,
 )
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.publishing.report.numbers import number
 from jointwear.statistics.known import known_median
 
 #: Kinds of the findings.
@@ -111,11 +111,12 @@ _FROZEN = (
 
 
 def _clock_words(step: np.ndarray) -> str:
-    factor = number(float(np.exp(-known_median(step, axis=0))), 2)
+    """Return what a changed time between samples (w,), logs over that of the normal period, comes to."""
+    looks, mend = stretch_in_words(float(np.exp(known_median(step, axis=0))), 2)
     return (
-        f"The clock of these logs runs at {factor} times its speed in the normal period: rows hold the same path, "
-        "and lie another time apart. Speeds and accelerations are wrong by it, and so is all friction from there "
-        "on; mend the times, or leave these logs out."
+        f"Against the normal period the time of these logs looks {looks}: rows hold the same path, and lie another "
+        "time apart. Speeds and accelerations are wrong by it, and so is all friction from there on; "
+        f"{mend}, or leave these logs out."
     )
 
 
