@@ -15,7 +15,9 @@ def axis(number=1, level=HEALTHY, **more):
             "change": None, "unit": "", "since": None, "alarms": 0, "check": "", "viscous_growth": None}  # fmt: skip
     if level in (CHANGED, UNRESOLVED):
         calm |= {"quantity": "coulomb friction", "since": NOW - DAY, "alarms": 3, "check": "check the gear"}
-    return {"axis": number, "joint": f"joint_{number}", "level": level, **calm, **more}
+    found = {"axis": number, "joint": f"joint_{number}", "level": level, **calm, **more}
+    moments = [None if h is None else NOW - 3600 + 3600 * h for h in found["hours"] or ()]
+    return {**found, "limit_at": moments or None}
 
 
 def robot(name, *axes, **more):

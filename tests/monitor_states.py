@@ -19,7 +19,8 @@ def changed(state, quantity, j=0, **more):
     } | more  # fmt: skip
     status = np.full_like(state.status, "healthy")
     status[50:, j] = CHANGED
-    return replace(state, alarms=[alarm], status=status, hours_to_limit=np.full_like(state.hours_to_limit, np.nan))
+    nothing = {"grown": ("",) * state.axes, "limits": (None,) * state.axes}
+    return replace(state, alarms=[alarm], status=status, **nothing)
 
 
 def with_estimates(state, **values):

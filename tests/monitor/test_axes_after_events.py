@@ -31,7 +31,7 @@ def test_an_axis_that_is_back_to_normal_heads_no_red_card(monitored):
     assert axis_conditions(state)[0].level == CHANGED
     back = replace(state, back=np.arange(state.axes) == 0)
     found = axis_conditions(back)[0]
-    assert (found.level, found.outlook) == (UNRESOLVED, None)
+    assert (found.level, found.limited) == (UNRESOLVED, None)
     assert found.check.startswith("friction is back to normal, and nobody has said why")
     play = axis_conditions(replace(changed(state, "backlash"), back=back.back))[0]
     assert play.check.startswith("play is back to normal")
@@ -100,7 +100,7 @@ def test_growth_of_before_an_event_is_told_as_such_until_the_axis_is_judged_agai
     event = {"time": float(state.start[56]) + 1800.0, "axes": [WORN + 1], "kind": kind, "note": "Ms Müller"}
     after = replace(state, status=status, reason=reason, entry=state.entry | {"events": [event]})
     found = axis_conditions(after)[WORN]
-    assert (found.reached, found.outlook, found.anew) == (False, None, None)
+    assert (found.reached, found.limited, found.anew) == (False, None, None)
     until, at = (log_time(t, zone_of(None), state.dated) for t in (state.end[56], event["time"]))
     words = f"Coulomb friction +25.8 % until {until}, before the event ({kind} {at}), limit 20 %; being learnt anew"
     summary = axis_summary(after, WORN, condition=found)

@@ -15,6 +15,7 @@ from jointwear.monitor.presentation.condition import axis_conditions
 from jointwear.monitor.presentation.standing import NOTHING, standing
 from jointwear.monitor.presentation.summaries import axis_summary, headline
 from jointwear.monitor.presentation.words import todo
+from jointwear.monitor.watching.limits import LimitDate
 from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED
 
 
@@ -28,7 +29,8 @@ def by_days(state):
 def with_steps(state, coulomb, viscous):
     """The state after an alarm of Coulomb friction of its first axis, with estimates (w,) of both kinds."""
     state = changed(with_estimates(state, coulomb_percent=0.0, viscous_percent=0.0), "coulomb friction")
-    state = replace(state, hours_to_limit=np.full((state.axes, 3), 30.0), limited_by=["coulomb friction"] * state.axes)
+    soon = state.end[-1] + 30 * 3600.0
+    state = replace(state, limits=(LimitDate("coulomb friction", soon, soon, soon),) * state.axes)
     state.estimates["coulomb_percent"][0][:, 0] = coulomb
     state.estimates["viscous_percent"][0][:, 0] = viscous
     return next(c for c in axis_conditions(state) if c.axis == 1)
@@ -160,11 +162,11 @@ def test_both_kinds_of_friction_that_rose_by_one_share_at_once_are_a_scale_first
     step = 9.0 * (np.arange(len(state.end)) >= 48)
     told = with_steps(state, step + 0.5 * noise[0], step + 2 * noise[1])
     assert told.scaled
-    assert told.outlook is None
+    assert told.limited is None
     assert told.check.startswith("Coulomb and viscous friction rose at once")
     assert told.check.endswith("whether a brake drags")
     worn = with_steps(state, step + 0.5 * noise[0], 2 * noise[1])
-    assert (worn.scaled, worn.outlook is None) == (False, False)
+    assert (worn.scaled, worn.limited is None) == (False, False)
     assert worn.check.startswith("check the gear")
 
 
@@ -179,7 +181,7 @@ def test_coulomb_friction_that_fell_at_once_while_viscous_friction_rose_asks_for
     told = with_steps(state, grown + 0.2 * noise[0], greased + noise[1])
     assert told.repaired
     assert not told.reached
-    assert told.outlook is None
+    assert told.limited is None
     assert told.check.startswith("was it serviced or greased? Coulomb friction fell at once after its alarm")
     # Without the rise of viscous friction the level tells it, and growth that goes on is none.
     assert not with_steps(state, grown + 0.2 * noise[0], noise[1]).repaired
@@ -190,7 +192,7 @@ def test_coulomb_friction_below_normal_beside_viscous_friction_far_above_is_no_f
     """Backlash of 3.5 mrad was "limit reached", Coulomb -10.4 %, viscous more than +100 %, by an alarm of +28 N m."""
     folder, _, _ = monitored
     state = changed(read_state(folder / "state.nc"), "coulomb friction")
-    state = replace(state, hours_to_limit=np.zeros((state.axes, 3)), limited_by=["viscous friction"] * state.axes)
+    state = replace(state, limits=(LimitDate("viscous friction", *[state.end[-1]] * 3),) * state.axes)
 
     def first(coulomb, viscous, of=state):
         seen = with_estimates(of, coulomb_percent=coulomb, viscous_percent=viscous)

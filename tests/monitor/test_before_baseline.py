@@ -46,7 +46,9 @@ def test_friction_before_the_baseline_changes_no_judgement(before, axes):
     assert len(told[0])
     assert [f["kind"] for f in whole.findings] == [f["kind"] for f in alone.findings]
     np.testing.assert_array_equal(whole.status[BEFORE:], alone.status)
-    np.testing.assert_allclose(whole.hours_to_limit, alone.hours_to_limit, rtol=0.02)
+    assert [limit and limit.quantity for limit in whole.limits] == [limit and limit.quantity for limit in alone.limits]
+    hours = [[limit.hours_from(statistics.end[-1]) for limit in one.limits if limit] for one in (whole, alone)]
+    np.testing.assert_allclose(*hours, rtol=0.02)
     # It is shown all the same.
     shown = whole.estimates["coulomb_percent"][:BEFORE, 0]
     assert np.nanmedian(shown) == pytest.approx(100 * before, abs=3)

@@ -149,10 +149,9 @@ def test_viscous_growth_beside_more_of_coulomb_friction_is_taken_off_it(source, 
     # The limit of Coulomb friction comes as late as without what is viscous.
     hours = 3600.0 * np.arange(64)
     plain = watched(np.log1p(0.7 * GROWN) + noise_of(7), source, alarm_from=8)
-    alone = viscous_growth(plain, watched(noise_of(9)), 0, SHIFT, share)
     of_both, of_one = (
-        Limits(seen, too, np.array([share]), [of], SHIFT, hours, 0.6).forecast(63, 0, COULOMB_FRICTION)[1].hours
-        for seen, too, of in ((level, viscous, grown), (plain, watched(noise_of(9)), alone))
+        Limits(seen, too, np.array([share]), SHIFT, hours, 0.6).forecast(0, COULOMB_FRICTION).hours_from(hours[-1])[0]
+        for seen, too in ((level, viscous), (plain, watched(noise_of(9))))
     )
     assert of_both == pytest.approx(of_one, rel=0.15)
 
@@ -163,30 +162,27 @@ def test_the_limit_that_is_reached_first_is_told(coulomb, viscous, first):
     level = watched(np.log1p(0.3 * (coulomb + viscous) * GROWN), alarm_from=8)
     part = watched(0.3 * viscous * GROWN)
     level.axes[0].to_coulomb = 2.0
-    grown = viscous_growth(level, part, 0, SHIFT, 0.5)
-    limits = Limits(level, part, np.array([0.5]), [grown], SHIFT, 3600.0 * np.arange(64), 0.2)
+    limits = Limits(level, part, np.array([0.5]), SHIFT, 3600.0 * np.arange(64), 0.2)
     for name in (COULOMB_FRICTION, VISCOUS_FRICTION):
-        assert limits.forecast(63, 0, name)[0] == first
+        assert limits.forecast(0, name).quantity == first
 
 
 def test_viscous_friction_that_rose_on_all_axes_gives_the_limit_of_coulomb_friction_no_date():
     """In a cold spell viscous friction read +55 %, and the forecast was that its limit is reached."""
     cold = np.repeat(np.where(np.arange(16) >= 11, 0.3, 0.0), 4).reshape(16, 4)
     level, part = watched(np.log1p(0.3 * GROWN), alarm_from=8), watched(cold + noise_of(4))
-    grown = viscous_growth(level, part, 0, SHIFT, 0.5)
     for together, first in ((None, VISCOUS_FRICTION), (cold.ravel() > 0, COULOMB_FRICTION)):
-        limits = Limits(level, part, np.array([0.5]), [grown], SHIFT, 3600.0 * np.arange(64), 0.2, together)
-        assert limits.forecast(63, 0, COULOMB_FRICTION)[0] == first
+        limits = Limits(level, part, np.array([0.5]), SHIFT, 3600.0 * np.arange(64), 0.2, together)
+        assert limits.forecast(0, COULOMB_FRICTION).quantity == first
 
 
 def test_growth_that_is_gone_has_no_date_of_a_limit():
-    gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))]))
-    level = watched(gone + noise_of(5), alarm_from=8)
-    viscous = watched(noise_of(6))
-    grown = viscous_growth(level, viscous, 0, SHIFT, 0.5)
-    limits = Limits(level, viscous, np.array([0.5]), [grown], SHIFT, 3600.0 * np.arange(64), 0.2)
-    assert np.isfinite(limits.forecast(47, 0, COULOMB_FRICTION, now=True)[1].low)
-    assert np.isnan(limits.forecast(63, 0, COULOMB_FRICTION, now=True)[1].hours)
+    gone = np.log1p(np.concatenate([GROWN[:12], np.zeros((4, 4))])) + noise_of(5)
+    for shifts, dated in ((12, True), (16, False)):
+        level, viscous = watched(gone[:shifts], alarm_from=8), watched(noise_of(6)[:shifts])
+        w = 4 * shifts
+        limits = Limits(level, viscous, np.array([0.5]), SHIFT[:w], 3600.0 * np.arange(w), 0.2)
+        assert (limits.forecast(0, COULOMB_FRICTION, now=True) is not None) is dated
 
 
 def test_what_came_back_is_told_from_what_lasts():
@@ -230,5 +226,5 @@ def test_what_no_longer_shows_in_the_viscous_part_is_no_alarm_of_it(mean, name):
     axis = SimpleNamespace(source="coulomb")
     level = SimpleNamespace(alarm=np.array([[True]]), mean=np.array([[0.2]]), mean_std=np.array([[0.01]]), axes=[axis])
     viscous = SimpleNamespace(mean=np.array([[mean]]), mean_std=np.array([[0.01]]))
-    teller = SimpleNamespace(_level=level, _viscous=viscous, _named=np.array([[True]]))
-    assert Teller._parts(teller, 0, 0)[:2] == (name, mean if name == VISCOUS_FRICTION else 0.2)
+    teller = SimpleNamespace(_level=level, _viscous=viscous)
+    assert Teller._parts(teller, 0, 0, True)[:2] == (name, mean if name == VISCOUS_FRICTION else 0.2)

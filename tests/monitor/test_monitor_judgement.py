@@ -154,9 +154,9 @@ def test_another_program_repairs_nothing(axes):
     assert (told["axes"], told["time"], "answered" in told) == ([2], at, False)
     assert "Coulomb friction +5 % by then" in told["words"]
     alarms = [a["time"] for a in result.alarms if a["detector"] == "model" and a["axis"] == 2]
-    forecast = result.hours_to_limit[1]
+    _, low, high = result.limits[1].hours_from(statistics.end[-1])
     assert min(alarms) < at
-    assert forecast[1] <= 70 <= forecast[2]
+    assert low <= 70 <= high
 
 
 @pytest.mark.parametrize("kind", ["service", "sensor", "acknowledged"])
@@ -395,4 +395,4 @@ def test_viscous_wear_is_told_as_such_in_estimates_and_alarms():
     # The level leaves viscous friction out as it was: what it takes of this growth is not known.
     assert np.isnan(result.estimates["coulomb_percent"][-24:, 0]).all()
     assert np.isfinite(result.estimates["coulomb_percent"][-24:, 1]).all()
-    assert result.limited_by[0] == VISCOUS_FRICTION
+    assert (result.grown[0], result.limits[0].quantity) == (VISCOUS_FRICTION, VISCOUS_FRICTION)

@@ -34,7 +34,9 @@ def episode(axis=3, active=True, detector="model", key="3|coulomb friction|model
 def axis_row(level="changed"):
     return {
         "axis": 3, "joint": "elbow", "level": level, "reached": False, "growth": 7.5, "growth_std": 0.5, "limit": 20.0,
-        "hours": [100.0, 50.0, None], "quantity": "coulomb friction", "change": 1.0, "unit": "N m", "since": HOUR,
+        "hours": [100.0, 50.0, None],
+        "limit_at": [HOUR + 360_000.0, HOUR + 180_000.0, None],
+        "quantity": "coulomb friction", "change": 1.0, "unit": "N m", "since": HOUR,
         "alarms": 2, "check": "check the gear",
     }  # fmt: skip
 

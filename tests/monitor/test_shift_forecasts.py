@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from jointwear.monitor.findings.still_growth import STANDSTILL, standstill_findings
 from jointwear.monitor.presentation.to_answer import asks_for_answer
+from jointwear.monitor.watching.limits import LimitDate
 from jointwear.monitor.watching.shift_forecast import STANDS, TOLD, forecast_shifts
 from jointwear.monitor.watching.standstill import Standstill, standstill
 
@@ -95,7 +96,8 @@ def test_a_standstill_takes_some_shifts_and_no_scatter_but_their_own():
 
 def test_the_page_is_told_of_a_standstill():
     statistics = SimpleNamespace(dated=True)
-    (found,) = standstill_findings(statistics, np.array([np.nan, 1.7956e9]), ["", "coulomb friction"])
+    limit = LimitDate("coulomb friction", np.inf, np.inf, np.inf, still=1.7956e9)
+    (found,) = standstill_findings(statistics, [None, limit])
     assert (found["kind"], found["axes"], found["time"]) == (STANDSTILL, [2], 1.7956e9)
     assert found["words"].startswith("Growth of the Coulomb friction of axis 2 has stood still since about 2026-11-25T")
     assert not asks_for_answer(found)

@@ -8,11 +8,12 @@ from fleet_rows import axis
 from jointwear.files.errors import InputError
 from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import local_time, zone_of
-from jointwear.monitor.presentation.condition import CHANGED, AxisCondition, Outlook
+from jointwear.monitor.presentation.condition import CHANGED, AxisCondition
 from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.page import now_words
 from jointwear.monitor.presentation.standing import axis_row
 from jointwear.monitor.presentation.words import MAY_BE_REACHED, change_words, outlook_words
+from jointwear.monitor.watching.limits import LimitDate
 from jointwear.monitor.watching.records import DETECTORS
 
 
@@ -45,7 +46,7 @@ def test_a_limit_is_reached_where_the_growth_that_is_told_has_reached_it():
 
 @pytest.mark.parametrize(("hours", "words"), [([0.0, 0.0, 0.0], "reached"), ([0.0, 0.0, 9.0], "may be reached by now")])
 def test_the_forecast_of_viscous_friction_says_of_which_limit_it_is(hours, words):
-    axis = {"hours": hours, "reached": False, "quantity": "viscous friction", "limit": 20.0}
+    axis = {"hours": hours, "reached": False, "quantity": "viscous friction", "limit": 20.0, "viscous_growth": 21.0}
     told = outlook_words({"dated": False, "last_sample": 0.0}, axis, zone_of(None))
     assert told == f"limit of viscous friction (+20 %) {words}"
 
@@ -69,13 +70,13 @@ def test_growth_that_is_hardly_known_may_have_reached_its_limit():
 def test_a_forecast_of_the_limit_of_viscous_friction_has_its_growth_beside_it():
     alarm = {"time": 100.0, "change": 0.2, "unit": "N m", "probability_axis": 1.0}
     episode = Episode(3, "coulomb friction", DETECTORS[0], (alarm,), None)
-    outlook = Outlook(0.0, 0.0, 24.0, "viscous friction")
-    told = AxisCondition(3, "elbow", CHANGED, 1.1, 2.7, 20.0, outlook, (episode,), (), viscous=17.3, viscous_std=9.0)
-    row = axis_row(told)
+    limit = LimitDate("viscous friction", 0.0, 0.0, 24 * 3600.0)
+    told = AxisCondition(3, "elbow", CHANGED, 1.1, 2.7, 20.0, limit, (episode,), (), viscous=17.3, viscous_std=9.0)
+    row = axis_row(told, 0.0)
     assert change_words(row).startswith("Coulomb friction +1.1 % now, limit 20 %; viscous friction +17.3 % now")
     where = {"dated": False, "last_sample": 0.0}
     assert outlook_words(where, row, zone_of(None)) == "limit of viscous friction (+20 %) may be reached by now"
-    assert axis_row(replace(told, outlook=None))["viscous_growth"] is None
+    assert axis_row(replace(told, limited=None), 0.0)["viscous_growth"] is None
 
 
 def test_the_size_of_backlash_is_told_as_the_least_it_is():
@@ -97,10 +98,14 @@ def test_times_are_local_and_say_so():
 
 def test_a_forecast_that_is_open_at_both_ends_is_dated_as_from_no_day():
     row = {"dated": True, "last_sample": 0.0}
+
+    def told(*hours):
+        moments = [None if h is None else 3600 * h for h in hours]
+        return outlook_words(row, {"hours": hours, "limit_at": moments, "reached": False}, zone_of(None))
+
     for middle in (50.0, None):
-        told = outlook_words(row, {"hours": [middle, 0.0, None], "reached": False}, zone_of(None))
-        assert told == "limit may be reached by now, or never"
-    assert "not before" in outlook_words(row, {"hours": [None, 30.0, None], "reached": False}, zone_of(None))
+        assert told(middle, 0.0, None) == "limit may be reached by now, or never"
+    assert "not before" in told(None, 30.0, None)
 
 
 def test_the_page_says_over_which_windows_now_is_the_mean(monitored):

@@ -46,7 +46,7 @@ def write_metrics(rows: Sequence[Mapping[str, Any]], now: float, output: str | P
     growth = gauge("axis_coulomb_growth_ratio", "Growth of the Coulomb friction, 0.05 is 5 percent", axis)
     viscous = gauge("axis_viscous_growth_ratio", "Growth of the viscous friction, while it is told", axis)
     limit = gauge("axis_coulomb_limit_ratio", "Growth that counts as the limit", axis)
-    hours = gauge("axis_hours_to_limit", "Hours from the newest window to the limit", (*axis, "bound"))
+    hours = gauge("axis_hours_to_limit", "Hours from the end of the newest window to the limit", (*axis, "bound"))
     for row in rows:
         name = row["robot"]
         for kind in ORDER:

@@ -51,9 +51,10 @@ from jointwear.monitor.watching.backlash import (
 from jointwear.monitor.watching.decision import LEAST
 from jointwear.monitor.watching.gain_of_all import gain_of_all
 from jointwear.monitor.watching.gain_of_axes import gains_of_axes, without_gain
+from jointwear.monitor.watching.limits import LimitDate
 from jointwear.monitor.watching.parts import ViscousGrowth, viscous_part, viscous_scale
 from jointwear.monitor.watching.present import back_to_normal, error_now
-from jointwear.monitor.watching.records import CHANGED, Teller, paper_records
+from jointwear.monitor.watching.records import CHANGED, VISCOUS_UNIT, Teller, paper_records
 from jointwear.monitor.watching.scale import ScaleStep, scale_steps
 from jointwear.monitor.watching.shared_error import units_of_levels
 from jointwear.monitor.watching.watching import Watch, before_events, watch
@@ -73,8 +74,9 @@ class Judgement:
     period; `viscous` [N m s/rad] where the motion shows it, `viscous_percent` [%] of that in the normal period;
     `backlash` [%], of the torque pulses at reversals of the load. `now_error` : name -> (n,), standard deviation of the
     mean over the last day. `status` (w, n) of :data:`HEALTHY`, :data:`CHANGED`, :data:`UNJUDGED`. `alarms` : records
-    with the columns of alarms.csv, `time` in seconds. `hours_to_limit` (n, 3): forecast at the last judged window,
-    median, low and high; NaN where none is due, infinite where open; `limited_by` (n): whose limit that is.
+    with the columns of alarms.csv, `time` in seconds, each by what was known then. `grown` (n): what the newest
+    alarm of friction is of by what is known today, empty of an axis that is not changed. `limits` (n): when its growth
+    reaches a limit, by the last window in which the axis was judged, None where no date is due.
     `back` (n,) bool: what alarmed since the last event is as it was before; its alarm stays open all the same.
     `reason` (w, n): why not judged, :class:`~jointwear.monitor.watching.records.Reason`. `findings` :
     what is no alarm but must be told: `time` [s], `axes` (1-based), `kind`, `words`.
@@ -85,9 +87,9 @@ class Judgement:
     status: np.ndarray
     alarms: list[dict[str, Any]]
     units: dict[str, str]
-    hours_to_limit: np.ndarray
+    grown: list[str]
+    limits: list[LimitDate | None]
     reason: np.ndarray
-    limited_by: list[str] = field(default_factory=list)
     now_error: dict[str, np.ndarray] = field(default_factory=dict)
     back: np.ndarray | None = None
     findings: list[dict[str, Any]] = field(default_factory=list)
@@ -141,16 +143,22 @@ def judge(
     estimates, std, now_error = _estimates(level, viscous, teller.grown, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
     std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
-    hours, limited_by, still = teller.hours_to_limit()
+    quantities, limits = teller.now()
     status = raised_status(teller.status, backlash, CHANGED)
     return Judgement(
         estimates=estimates,
         std=std,
         status=status,
         alarms=alarms,
-        units={"coulomb": "N m", "coulomb_percent": "%", "viscous": "N m s/rad", "viscous_percent": "%", BACKLASH: "%"},
-        hours_to_limit=hours,
-        limited_by=limited_by,
+        units={
+            "coulomb": "N m",
+            "coulomb_percent": "%",
+            "viscous": VISCOUS_UNIT,
+            "viscous_percent": "%",
+            BACKLASH: "%",
+        },
+        grown=quantities,
+        limits=limits,
         now_error=now_error,
         back=back_to_normal(
             [(level, level.alarm), (viscous, teller.viscous_alarm), (backlash, backlash.alarm)], shift, statistics.end
@@ -160,7 +168,7 @@ def judge(
             *_findings(statistics, seen, friction, viscous, teller, limit, settings.events, logs),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
             *grown_before_findings(statistics, level),
-            *standstill_findings(statistics, still, limited_by),
+            *standstill_findings(statistics, limits),
         ],
     )
 

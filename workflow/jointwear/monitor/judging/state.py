@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from jointwear.monitor.normal.friction import window_friction
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.assembly import History, Piece
 from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.limits import LimitDate
 from jointwear.monitor.watching.records import DETECTORS, Reason
 from jointwear.robots.robot import Robot
 
@@ -34,6 +35,8 @@ ALARM_COLUMNS = (
 )  # fmt: skip
 #: Dimensions of most variables of a state file.
 PAIR = ("window", "axis")
+#: Moments of a :class:`~jointwear.monitor.watching.limits.LimitDate` -> their names in a state file.
+LIMIT_HOURS = {"median": "hours_to_limit", "low": "hours_to_limit_low", "high": "hours_to_limit_high"}
 #: Begin of the names of the errors of now in a state file.
 NOW_ERROR = "error_now_"
 
@@ -80,7 +83,7 @@ def write_state(
         "status": Variable(PAIR, np.array(judgement.status), "state of the axis"),
         "friction_speed": Variable(("axis",), friction.speed, "speed that `friction` is for", "rad/s"),
         **_estimate_variables(estimates_of(judgement) | {"friction": (friction.value, friction.std, "N m")}),
-        **_verdict_variables(judgement, s.axes),
+        **_verdict_variables(judgement, s.axes, float(s.end[-1])),
         **_log_variables(history.pieces, _clock(s)),
     }
     attributes = provenance.attributes("state of every axis", dict(entry))
@@ -125,25 +128,36 @@ def _estimate_variables(estimates: Mapping[str, tuple[np.ndarray, np.ndarray, st
     return variables
 
 
-def _verdict_variables(judgement: Judgement, axes: int) -> dict[str, Variable]:
-    """Return what is told of each axis, and why it is not judged where it is not."""
-    variables = {}
-    for k, end in enumerate(("", "_low", "_high")):
-        words = "hours to the limit at the last judged window; infinite where it may never be reached"
-        variables[f"hours_to_limit{end}"] = Variable(("axis",), judgement.hours_to_limit[:, k], words, "h")
+def _verdict_variables(judgement: Judgement, axes: int, end: float) -> dict[str, Variable]:
+    """Return what is told of each axis, and why it is not judged where it is not; `end` of the last window [s]."""
+    variables = _limit_variables(judgement.limits, end)
+    quantities = np.array(judgement.grown, dtype=object)
+    variables["grown"] = Variable(("axis",), quantities, "what the newest alarm of friction is of, as known today")
     for key, errors in judgement.now_error.items():
         unit = judgement.units[key]
         words = f"standard deviation of the mean of {key.replace('_', ' ')} over the last day"
         variables[f"{NOW_ERROR}{key}"] = Variable(("axis",), errors, words, unit)
     back = np.zeros(axes, dtype=bool) if judgement.back is None else judgement.back
     variables["back"] = Variable(("axis",), back.astype(np.int32), "1 where what alarmed is as before", "1", kind="i4")
-    quantities = np.array(judgement.limited_by or [""] * axes, dtype=object)
-    variables["limited_by"] = Variable(("axis",), quantities, "quantity whose limit the hours are to")
     variables["unjudged_reason"] = Variable(PAIR, judgement.reason, "why an axis is not judged", "1", kind="i4")
     variables["unjudged_reason"].attributes.update(
         flag_values=np.array([int(r) for r in Reason], dtype=np.int32),
         flag_meanings=" ".join(r.name.lower() for r in Reason),
     )
+    return variables
+
+
+def _limit_variables(limits: Sequence[LimitDate | None], end: float) -> dict[str, Variable]:
+    """Return the variables of the dates of limits, as hours from the `end` of the last window [s]: no calendar has a
+    date that may never come."""
+    variables = {}
+    for moment, name in LIMIT_HOURS.items():
+        hours = np.array([math.nan if limit is None else (getattr(limit, moment) - end) / 3600 for limit in limits])
+        words = "hours from the end of the last window to the limit, below 0 where that has passed since the axis was "
+        words += "judged last; infinite where it may never be reached"
+        variables[name] = Variable(("axis",), hours, words, "h")
+    quantities = np.array(["" if limit is None else limit.quantity for limit in limits], dtype=object)
+    variables["limited_by"] = Variable(("axis",), quantities, "quantity whose limit the hours are to")
     return variables
 
 
@@ -174,7 +188,7 @@ class RobotState:
 
     `baseline`, `start`, `end` (window): whether it is one of the baseline, and its borders [s].
     `findings`: what is no alarm but must be told; `reason`: of :class:`~jointwear.monitor.watching.records.Reason`;
-    `hours_to_limit` (axis, 3): median, low and high; `limited_by` (axis): the quantity whose limit that is;
+    `grown`, `limits` (axis): of :class:`~jointwear.monitor.judging.judge.Judgement`;
     `now_error`: name of an estimate -> (axis,) standard deviation of its mean over the last day; `back`
     (axis) bool: what alarmed since the last event is as it was before.
     """
@@ -197,8 +211,8 @@ class RobotState:
     alarms: list[dict[str, Any]]
     findings: list[dict[str, Any]]
     reason: np.ndarray
-    hours_to_limit: np.ndarray
-    limited_by: tuple[str, ...]
+    grown: tuple[str, ...]
+    limits: tuple[LimitDate | None, ...]
     now_error: dict[str, np.ndarray]
     back: np.ndarray
     logs: tuple[str, ...]
@@ -240,6 +254,16 @@ class RobotState:
         return not self.dated and float(self.end[-1] - self.start[0]) < 7200
 
 
+def _limits(get: Callable[[str], np.ndarray]) -> tuple[LimitDate | None, ...]:
+    """Return the dates of the limits of the axes; `get` returns a variable of the file by its name."""
+    end = float(get("end")[-1])
+    moments = np.stack([end + 3600 * get(name) for name in LIMIT_HOURS.values()], axis=1)
+    return tuple(
+        LimitDate(str(quantity), *map(float, own)) if quantity else None
+        for quantity, own in zip(get("limited_by"), moments, strict=True)
+    )
+
+
 def read_state(path: str | Path) -> RobotState:
     """Read a state file."""
     with open_dataset(path) as dataset:
@@ -270,8 +294,8 @@ def read_state(path: str | Path) -> RobotState:
             alarms=parse_json(read_attribute(dataset, path, "alarms"), path, list),
             findings=parse_json(read_attribute(dataset, path, "findings"), path, list),
             reason=get("unjudged_reason"),
-            hours_to_limit=np.stack([get(f"hours_to_limit{end}") for end in ("", "_low", "_high")], axis=1),
-            limited_by=tuple(str(x) for x in get("limited_by")),
+            grown=tuple(str(x) for x in get("grown")),
+            limits=_limits(get),
             now_error={
                 name.removeprefix(NOW_ERROR): get(name) for name in dataset.variables if name.startswith(NOW_ERROR)
             },

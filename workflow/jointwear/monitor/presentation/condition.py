@@ -19,9 +19,9 @@ from jointwear.monitor.presentation.episodes import Episode, episodes_of
 from jointwear.monitor.presentation.overnight import greased_since, rose_alike, rose_overnight
 from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
-from jointwear.monitor.watching.limits import COULOMB, VISCOUS
+from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate
 from jointwear.monitor.watching.present import FEWEST_NOW, NOW, now_windows
-from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, Reason
+from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, VISCOUS_UNIT, Reason
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
 UNRESOLVED = "unresolved alarm"
@@ -68,29 +68,20 @@ WAITS = (Reason.LEARNING, Reason.CONDITIONS, Reason.LOUD, Reason.DRIVES, Reason.
 
 
 @dataclass(frozen=True)
-class Outlook:
-    """Hours from the newest window until the limit of `quantity`: median and 80 % interval; infinite where it may stay
-    below."""
-
-    hours: float
-    low: float
-    high: float
-    quantity: str = ""
-
-
-@dataclass(frozen=True)
 class AxisCondition:
     """What is known of an axis now.
 
     `axis` 1-based. `level`: CHANGED, UNRESOLVED, UNJUDGED or HEALTHY. `growth`, `growth_std` of the Coulomb friction
-    now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `episodes`:
-    unresolved ones of alarms that count, the newest first; `past`: resolved. `estimates`: quantity of an alarm -> its
-    change now, NaN where unknown. `seen`: it has been judged after the baseline. `loud`: its torque has grown uneven.
+    now and `limit`, all [%], NaN where unknown; `viscous`, `viscous_std`: the same of viscous friction. `limited`: when
+    which growth reaches that limit, None where no date is told. `episodes`: unresolved ones of alarms that count, the
+    newest first; `past`: resolved. `estimates`: quantity of an alarm -> its change now, NaN where unknown. `seen`: it
+    has been judged after the baseline. `loud`: its torque has grown uneven.
     `turned`: time [s] from which a joint of the robot counts from another zero, which nobody has answered. `anew`: the
     newest event that mends it, from which its growth counts; None where there is none. `event`: the newest event after
     which nothing of the axis has been judged yet, None where there is none; its growth is then that of before, up to
-    `until` [s], the end of the window that it was judged in last, and NaN elsewhere. `together`: by now all axes have
-    moved together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept, or
+    `until` [s], the end of the window that it was judged in last, and NaN elsewhere. `grown`: what its newest alarm of
+    friction is of by what is known today, empty where that is not known. `together`: by now all axes have moved
+    together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept, or
     Coulomb friction fell with it. `scaled`: both kinds rose by the same share at once; `repaired`: Coulomb friction
     fell at once after its alarm while viscous friction rose.
     """
@@ -101,7 +92,7 @@ class AxisCondition:
     growth: float
     growth_std: float
     limit: float
-    outlook: Outlook | None
+    limited: LimitDate | None
     episodes: tuple[Episode, ...]
     past: tuple[Episode, ...]
     estimates: Mapping[str, float] = field(default_factory=dict)
@@ -113,6 +104,7 @@ class AxisCondition:
     anew: Event | None = None
     event: Event | None = None
     until: float = math.nan
+    grown: str = ""
     together: bool = False
     overnight: bool = False
     scaled: bool = False
@@ -124,12 +116,27 @@ class AxisCondition:
         return self.event is not None and self.event.mends and not self.episodes
 
     @property
+    def quantity(self) -> str:
+        """The quantity to act on, empty without one: of the newest alarm, which keeps the name that it was told under,
+        by what is known today."""
+        told = "" if self.main is None else self.main.quantity
+        return self.grown or told if told in (COULOMB, VISCOUS) else told
+
+    @property
     def change(self) -> float | None:
-        """What the quantity to act on has changed by: now where an estimate shows it, else at its newest alarm."""
-        if self.main is None:
-            return None
-        now = self.estimates.get(self.main.quantity, math.nan)
-        return now if math.isfinite(now) else self.main.newest["change"]
+        """What the quantity to act on has changed by: now where an estimate shows it, else at its newest alarm; None
+        where that was told under another name."""
+        now = self.estimates.get(self.quantity, math.nan)
+        if math.isfinite(now):
+            return now
+        return self.main.newest["change"] if self.main and self.quantity == self.main.quantity else None
+
+    @property
+    def unit(self) -> str:
+        """The unit of :attr:`change`, empty without one."""
+        if self.change is None:
+            return ""
+        return self.main.newest["unit"] if self.quantity == self.main.quantity else VISCOUS_UNIT
 
     @property
     def main(self) -> Episode | None:
@@ -144,12 +151,10 @@ class AxisCondition:
         if self.turned <= self.main.last:
             return "first settle from which zero the joints count, as told below: another zero looks like friction"
         if self.level != CHANGED:
-            what = "play" if self.main.quantity == BACKLASH else "friction"
+            what = "play" if self.quantity == BACKLASH else "friction"
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
-        told = (
-            CONTRADICTED if self.contradicted else advice(self.main.quantity, self.main.newest["change"], self.greased)
-        )
+        told = CONTRADICTED if self.contradicted else advice(self.quantity, self.main.newest["change"], self.greased)
         first = REPAIRED if self.repaired else SCALED if self.scaled else UNSURE if self.unsure else ""
         told = first + told
         if self.probability is not None and self.probability < EVEN_ODDS:
@@ -165,7 +170,7 @@ class AxisCondition:
     @property
     def viscous_alarm(self) -> bool:
         """Whether an unresolved alarm is of viscous friction."""
-        return any(e.quantity == VISCOUS for e in self.episodes)
+        return self.quantity == VISCOUS or any(e.quantity == VISCOUS for e in self.episodes)
 
     @property
     def viscous_told(self) -> bool:
@@ -212,7 +217,7 @@ class AxisCondition:
     def unsure(self) -> bool:
         """Whether the standard error of the growth that alarmed is as large as the limit."""
         kinds = {VISCOUS: self.viscous_std, COULOMB: self.growth_std}
-        return self.main is not None and kinds.get(self.main.quantity, 0.0) >= self.limit
+        return kinds.get(self.quantity, 0.0) >= self.limit
 
     @property
     def over(self) -> str:
@@ -275,7 +280,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         growth=growth,
         growth_std=std,
         limit=float(state.entry.get("limits", {}).get("coulomb_increase_percent", DEFAULT_LIMIT)),
-        outlook=_outlook(state, j) if level == CHANGED and (open_ones or not event) else None,
+        limited=state.limits[j] if level == CHANGED and (open_ones or not event) else None,
         episodes=open_ones,
         past=tuple(e for e in own if e.resolved is not None),
         estimates={quantity: latest(state, name, j)[0] for quantity, name in SHOWN_BY.items()},
@@ -287,6 +292,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         anew=mending[-1] if mending else None,
         event=event,
         until=until if event else math.nan,
+        grown=state.grown[j],
         together=any(f["kind"] == SHARED and "end" not in f for f in state.findings),
         overnight=_as_told(_viscous_overnight, VISCOUS, state, j, open_ones) and not growth > MORE_THAN_CHANCE * std,
         scaled=_as_told(rose_alike, COULOMB, state, j, open_ones),
@@ -294,7 +300,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
     )
     # One step has no rate of growth, and what was done to the axis is another than what was followed until then.
     dateless = found_now.contradicted or found_now.scaled or found_now.repaired
-    return replace(found_now, outlook=None) if dateless else found_now
+    return replace(found_now, limited=None) if dateless else found_now
 
 
 def _as_told(
@@ -305,12 +311,13 @@ def _as_told(
     episodes: Sequence[Episode],
 ) -> bool:
     """Whether what Coulomb and viscous friction of a 0-based axis did is as `told` of an alarm of a quantity."""
-    first = min((e.first for e in episodes if e.quantity == quantity), default=None)
-    if first is None or not {"coulomb_percent", "viscous_percent"} <= set(state.estimates):
+    named = {e.quantity for e in episodes} | {state.grown[j]}
+    if quantity not in named or not {"coulomb_percent", "viscous_percent"} <= set(state.estimates):
         return False
     after = state.after
-    kinds = (state.estimates[name][0][after, j] for name in ("coulomb_percent", "viscous_percent"))
-    return told(state.end[after], *kinds, first)
+    kinds = [state.estimates[name][0][after, j] for name in ("coulomb_percent", "viscous_percent")]
+    # Its first alarm may have been told under the other name.
+    return any(told(state.end[after], *kinds, e.first) for e in episodes if e.quantity in (COULOMB, VISCOUS))
 
 
 def _viscous_overnight(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:
@@ -366,25 +373,18 @@ def latest(state: RobotState, name: str, j: int) -> tuple[float, float]:
     )
 
 
-def _outlook(state: RobotState, j: int) -> Outlook | None:
-    """The forecast as of the newest judged window, None where none is due."""
-    stored = state.hours_to_limit[j]
-    return None if np.isnan(stored).all() else Outlook(*(float(h) for h in stored), state.limited_by[j])
-
-
 def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:
     """Return the axes that need attention, the most urgent first: limit reached, soonest limit, largest growth."""
 
     def order(c: AxisCondition) -> tuple[Any, ...]:
         rank = 0 if c.reached else 1 if c.level == CHANGED else 2
-        hours = c.outlook.hours if c.outlook else math.inf
-        low = c.outlook.low if c.outlook else math.inf
-        return rank, hours, low, -c.growth if math.isfinite(c.growth) else 0.0, c.axis
+        median, low = (c.limited.median, c.limited.low) if c.limited else (math.inf, math.inf)
+        return rank, median, low, -c.growth if math.isfinite(c.growth) else 0.0, c.axis
 
     return sorted((c for c in conditions if c.level in (CHANGED, UNRESOLVED)), key=order)
 
 
 __all__ = [
-    "CHANGED", "FEWEST_NOW", "HEALTHY", "MOST_TOLD", "REACHED", "UNJUDGED", "UNRESOLVED", "AxisCondition", "Outlook",
+    "CHANGED", "FEWEST_NOW", "HEALTHY", "MOST_TOLD", "REACHED", "UNJUDGED", "UNRESOLVED", "AxisCondition",
     "axis_conditions", "latest", "robot_episodes", "urgency",
 ]  # fmt: skip

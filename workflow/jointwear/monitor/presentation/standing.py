@@ -10,7 +10,7 @@ import numpy as np
 
 from jointwear.files.errors import EMPTY, LEFT_OUT, NO_SAMPLES, TRUNCATED, InputError, shown
 from jointwear.files.json_documents import read_json
-from jointwear.files.json_values import as_json, six_digits
+from jointwear.files.json_values import as_json, finite, six_digits
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.events import Event
 from jointwear.monitor.judging.state import RobotState
@@ -84,6 +84,8 @@ def standing(state: RobotState) -> dict[str, Any]:
     ordered = first + [c for c in conditions if c not in first]
     unjudged = state.status == UNJUDGED
     taken = accepted(state)
+    last = float(np.nanmax(state.last[taken] if taken.any() else state.last))
+    newest = float(state.end[max(int(np.searchsorted(state.start, last, side="right")) - 1, 0)])
     whole, part = robot_episodes(state), rows_left_out(state)
     episodes = [e for c in ordered for e in c.episodes] + [e for e in whole if e.resolved is None]
     closed = [e for c in ordered for e in c.past] + [e for e in whole if e.resolved is not None]
@@ -101,10 +103,10 @@ def standing(state: RobotState) -> dict[str, Any]:
         "refused_newest": refused_newest(state),
         "unfinished": unfinished(state),
         "last_judged": None if last_judged(state) is None else float(state.end[last_judged(state)]),
-        "last_sample": float(np.nanmax(state.last[taken] if taken.any() else state.last)),
+        "last_sample": last,
         "rhythm_hours": rhythm_hours(state.first[taken]),
         "dated": state.dated,
-        "axes": [axis_row(c) for c in ordered],
+        "axes": [axis_row(c, newest) for c in ordered],
         "episodes": [episode_row(e, conditions) for e in episodes],
         "closed": [closed_row(e) for e in closed],
         "findings": as_json(state.findings),
@@ -194,11 +196,13 @@ def rhythm_hours(first: np.ndarray) -> float | None:
     return float(np.mean(np.diff(recent))) / 3600
 
 
-def axis_row(condition: AxisCondition) -> dict[str, Any]:
-    """Return the condition of an axis as JSON has it; a forecast without an upper end has None there."""
-    outlook, main = condition.outlook, condition.main
+def axis_row(condition: AxisCondition, newest: float) -> dict[str, Any]:
+    """Return the condition of an axis as JSON has it. `limit_at`: moments [s] of its limit, median and both ends, None
+    where it may never be reached; `hours`: to these from the end of the `newest` window [s], 0 where they have passed.
+    """
+    limited, main = condition.limited, condition.main
     # A forecast of its limit alone would stand beside the growth of the other friction.
-    viscous = condition.viscous_told or (outlook is not None and outlook.quantity == VISCOUS)
+    viscous = condition.viscous_told or (limited is not None and limited.quantity == VISCOUS)
     return {
         "axis": condition.axis,
         "joint": condition.joint,
@@ -208,13 +212,14 @@ def axis_row(condition: AxisCondition) -> dict[str, Any]:
         "growth": six_digits(condition.growth),
         "growth_std": six_digits(condition.growth_std),
         "limit": condition.limit,
-        "hours": None if outlook is None else [six_digits(h) for h in (outlook.hours, outlook.low, outlook.high)],
-        "limited_by": "" if outlook is None else outlook.quantity,
+        "limit_at": None if limited is None else [finite(t) for t in (limited.median, limited.low, limited.high)],
+        "hours": None if limited is None else [six_digits(h) for h in limited.hours_from(newest)],
+        "limited_by": "" if limited is None else limited.quantity,
         "viscous_growth": six_digits(condition.viscous) if viscous else None,
         "probability": None if condition.probability is None else six_digits(condition.probability),
-        "quantity": main.quantity if main else "",
+        "quantity": condition.quantity,
         "change": as_json(condition.change),
-        "unit": main.newest["unit"] if main else "",
+        "unit": condition.unit,
         "since": main.first if main else None,
         "alarms": sum(len(e.alarms) for e in condition.episodes),
         "check": condition.check,

@@ -113,8 +113,7 @@ def axis_summary(
 def _quantity(condition: AxisCondition) -> str:
     """Return what an axis alarmed for: of the episode to act on, else of the newest that an event explains."""
     past = max(condition.past, key=lambda e: e.last, default=None)
-    episode = condition.main or past
-    return episode.quantity if episode else ""
+    return condition.quantity or (past.quantity if past else "")
 
 
 def shown_estimates(state: RobotState) -> list[str]:
@@ -126,7 +125,7 @@ def grown_before(state: RobotState, condition: AxisCondition, zone: tzinfo) -> s
     """Return what an axis had grown by before its newest event, where nothing has been judged since; else empty."""
     if condition.event is None:
         return ""
-    row, axis = {"dated": state.dated}, axis_row(condition)
+    row, axis = {"dated": state.dated}, axis_row(condition, float(state.end[-1]))
     return change_words(axis, until_words(row, axis, zone)) or f"being learnt anew since {condition.event.kind}"
 
 

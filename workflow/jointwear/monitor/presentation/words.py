@@ -166,7 +166,7 @@ def anew_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) ->
 
 
 def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
-    """Return the forecast of an axis in words: days for logs with dates, else the time since the last sample."""
+    """Return the forecast of an axis in words: days for logs with dates, else the time since the newest window."""
     if axis["reached"]:
         return REACHED
     hours = axis.get("hours")
@@ -180,8 +180,9 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
         limit = f"limit of {'viscous' if 'viscous' in kind else 'Coulomb'} friction (+{number(axis['limit'], 2)} %)"
     if limit != "limit" and high == 0:
         # Growth that is told as less than the limit, though some of it may not be seen, has not reached it.
+        # While the axis is not judged its limit comes by the forecast alone.
         grown = axis.get("viscous_growth" if "viscous" in kind else "growth")
-        below = grown is not None and round(grown, 1) < axis["limit"]
+        below = grown is None or round(grown, 1) < axis["limit"]
         return f"{limit} {MAY_BE_REACHED if below or axis.get('unsure') else 'reached'}"
     if limit == "limit" and (axis.get("growth") or 0.0) < 0.0:
         # It grew from where it was learnt anew: beside the growth since the baseline that date would mislead.
@@ -189,14 +190,16 @@ def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo)
     if middle == 0:
         return f"{limit} {MAY_BE_REACHED}"
 
-    def at(value: float) -> str:
-        return local_day(row["last_sample"] + 3600 * value, zone) if row["dated"] else duration(value)
-
+    middle_at, low_at, high_at = (
+        [local_day(moment, zone) if moment is not None else "" for moment in axis["limit_at"]]
+        if row["dated"]
+        else ["" if value is None else duration(value) for value in hours]
+    )
     if low is None:
         return f"no {limit} in sight"
     if high is None and low == 0:
         # Half a sentence on its lower end would date it as from today.
         return f"{limit} may be reached by now, or never"
     if middle is None or high is None:
-        return f"{limit} not before {at(low)}" if row["dated"] else f"{limit} not within {at(low)}"
-    return f"{limit} {'around' if row['dated'] else 'in'} {at(middle)} ({at(low)} to {at(high)})"
+        return f"{limit} not {'before' if row['dated'] else 'within'} {low_at}"
+    return f"{limit} {'around' if row['dated'] else 'in'} {middle_at} ({low_at} to {high_at})"

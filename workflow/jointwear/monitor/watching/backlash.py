@@ -20,7 +20,6 @@ from jointwear.monitor.normal.dispersion import Q80
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.records import DETECTORS, UNJUDGED, Grown, record
-from jointwear.monitor.watching.shift_forecast import Forecast
 from jointwear.monitor.watching.watching import Watch
 
 BACKLASH = "backlash"
@@ -176,8 +175,8 @@ def backlash_records(statistics: WindowStatistics, watched: Watch) -> list[dict[
             last = hour
             mean, error = watched.mean[k, j], watched.mean_std[k, j]
             change = [100 * float(np.expm1(v)) for v in (mean, mean - Q80 * error, mean + Q80 * error)]
-            grown, nothing = Grown(change, "%", change), Forecast(np.nan, np.nan, np.nan)
-            result.append(record(statistics.end[k], j + 1, BACKLASH, grown, np.nan, nothing, DETECTORS[0]))
+            grown = Grown(change, "%", change)
+            result.append(record(statistics.end[k], j + 1, BACKLASH, grown, np.nan, None, DETECTORS[0]))
     return result
 
 

@@ -1,4 +1,4 @@
-"""What of the growth of an axis is viscous: named once for an episode, from all of its shifts.
+"""What of the growth of an axis is viscous: one name for an episode, from all of its shifts that are known.
 
 An episode is what follows the first alarm of the level up to the next start (an event, a proposed service). Of each of
 its shifts the growth t of the level and the viscous part p of the same windows are known, both over the friction of

@@ -16,15 +16,16 @@ from jointwear.monitor.normal.series import Series, loud_windows
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.decision import TOLERATED
-from jointwear.monitor.watching.limits import COULOMB, NOTHING, VISCOUS, Limits
+from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate, Limits
 from jointwear.monitor.watching.locate import honest_probability
 from jointwear.monitor.watching.paper_detector import paper_alarms
-from jointwear.monitor.watching.parts import viscous_growth, viscous_scale
+from jointwear.monitor.watching.parts import viscous_scale
 from jointwear.monitor.watching.shared_error import FINDING
-from jointwear.monitor.watching.shift_forecast import Forecast
 from jointwear.monitor.watching.watching import Watch
 
 HEALTHY, CHANGED, UNJUDGED = "healthy", "changed", "cannot be judged"
+#: Unit of a change of viscous friction.
+VISCOUS_UNIT = "N m s/rad"
 #: The detector whose alarms count, and the paper's, which stands beside it for comparison.
 DETECTORS = ("model", "paper")
 #: An alarm that lasts is told again, with a new forecast, after this many hours where growth has gone on since by this
@@ -96,13 +97,18 @@ class Teller:
         self._events, self._limit = events, limit
         self.viscous_alarm = self._viscous_alarm()
         self._alarm = level.alarm | self.viscous_alarm
-        share = series["friction"].share
-        self.grown = [viscous_growth(level, viscous, j, shift, float(share[j])) for j in range(len(level.axes))]
-        self._named = np.stack([g.named for g in self.grown], axis=1)
-        self._limits = Limits(level, viscous, share, self.grown, shift, statistics.end, limit, _together(level))
+        self._shift = shift
+        whole = self._known(len(shift))
+        self.grown = [whole.grown(j) for j in range(len(level.axes))]
         self.least = self._least_seen()
         self._told = self._spaced()
         self.status = self._states()
+
+    def _known(self, stop: int) -> Limits:
+        """Return what of growth is viscous, and when it reaches the limit, by what is known before window `stop`."""
+        level, share = self._level.until(stop), self._series["friction"].share
+        shift, end = self._shift[:stop], self._s.end[:stop]
+        return Limits(level, self._viscous.until(stop), share, shift, end, self._limit, _together(level))
 
     def _viscous_alarm(self) -> np.ndarray:
         """Alarms (w, n) of viscous friction.
@@ -165,14 +171,15 @@ class Teller:
                     status[after, j] = np.where(open_, CHANGED, UNJUDGED)
         return status
 
-    def _parts(self, k: int, j: int) -> tuple[str, float, float]:
-        """Return the name of the quantity that grew by window `k`, and mean and error of the level."""
+    def _parts(self, k: int, j: int, episode: bool) -> tuple[str, float, float]:
+        """Return the name of the quantity that grew by window `k`, and mean and error of the level; `episode`: its
+        episode is one of viscous friction."""
         level, viscous = self._level, self._viscous
         part = VISCOUS, float(viscous.mean[k, j]), float(viscous.mean_std[k, j])
         if not level.alarm[k, j]:
             return part
-        # An episode keeps its name, but what no longer shows in the viscous part is none of it.
-        named = self._named[k, j] and part[1] > part[2]
+        # What no longer shows in the viscous part is none of it.
+        named = episode and part[1] > part[2]
         if named and level.axes[j].source == "coulomb":
             return part
         return (VISCOUS if named else COULOMB), float(level.mean[k, j]), float(level.mean_std[k, j])
@@ -198,12 +205,18 @@ class Teller:
         return result
 
     def records(self) -> list[dict[str, Any]]:
-        """Return the rows of alarms.csv."""
+        """Return the rows of alarms.csv, each by what was known at its window: later logs do not rewrite it.
+
+        But for what later windows teach of the normal state: a service that a fall proposes, another scale or robot and
+        a program or product that the baseline lacks begin some windows before they show, and an event may be entered
+        late; from there on all is told anew.
+        """
         result = []
         level = self._level
         statistic, threshold = evidence(level)
         for k, j in np.argwhere(self._told):
-            name, mean, error = self._parts(k, j)
+            known = self._known(k + 1)
+            name, mean, error = self._parts(k, j, bool(known.grown(j).named[k]))
             values = [mean, mean - Q80 * error, mean + Q80 * error]
             by_level = self._level.alarm[k, j] and (name == COULOMB or self._level.axes[j].source == "friction")
             if by_level:
@@ -212,12 +225,11 @@ class Teller:
                 changes = [float(self._series["viscous"].unit[j]) * v for v in values]
             percent, unit = [self._percent_of(j, name) * v for v in changes], "N m"
             if name == VISCOUS and self._speed[j] > 0:
-                changes, unit = [v / self._speed[j] for v in changes], "N m s/rad"
+                changes, unit = [v / self._speed[j] for v in changes], VISCOUS_UNIT
             # By what alarms its growth may be none: then, as while all axes move together, it may be chance.
             other_cause = bool(_together(level)[k]) or values[1] <= 0
             sure = honest_probability(statistic[k], threshold[k], other_cause)[j] if level.alarm[k, j] else np.nan
-            expected = self._limits.forecast(k, j, name)[1]
-            grown = Grown(changes, unit, percent, 100 * self._limit)
+            grown, expected = Grown(changes, unit, percent, 100 * self._limit), known.forecast(j, name)
             result.append(record(self._s.end[k], int(j) + 1, name, grown, float(sure), expected, DETECTORS[0]))
         return result
 
@@ -228,23 +240,23 @@ class Teller:
             return 100 * axis.to_coulomb / axis.unit
         return 100 * viscous_scale(float(self._series["friction"].share[j])) / float(self._series["viscous"].unit[j])
 
-    def hours_to_limit(self) -> tuple[np.ndarray, list[str], np.ndarray]:
-        """Return the forecasts (n, 3) of the changed axes at their last judged window, the quantity of each limit, and
-        since when (n,) [s] its growth stands still, NaN where it hardly does.
+    def now(self) -> tuple[list[str], list[LimitDate | None]]:
+        """Return of each axis (n) what its newest alarm is of by what is known today, empty where it is not changed,
+        and when its growth reaches the limit, by its last judged window.
 
-        None where growth cannot be told from zero by now: a date would be one of chance.
+        No date where growth cannot be told from zero by now: it would be one of chance.
         """
         n = self.status.shape[1]
-        result, quantities, still = np.full((n, 3), np.nan), [""] * n, np.full(n, np.nan)
+        quantities, limits = [""] * n, [None] * n
         for j in range(n):
-            known = np.flatnonzero(np.isfinite(self._level.residual[:, j]))
-            if len(known) and self.status[known[-1], j] == CHANGED:
-                told = np.flatnonzero(self._told[: known[-1] + 1, j])
-                name = self._parts(told[-1], j)[0] if len(told) else COULOMB
-                quantity, found = self._limits.forecast(int(known[-1]), j, name, now=True)
-                result[j], quantities[j] = (found.hours, found.low, found.high), quantity
-                still[j] = 3600 * found.still
-        return result, quantities, still
+            judged = np.flatnonzero(np.isfinite(self._level.residual[:, j]))
+            if len(judged) and self.status[judged[-1], j] == CHANGED:
+                known = self._known(int(judged[-1]) + 1)
+                told = np.flatnonzero(self._told[: judged[-1] + 1, j])
+                newest = bool(len(told)) and bool(known.grown(j).named[told[-1]])
+                quantities[j] = self._parts(told[-1], j, newest)[0] if len(told) else COULOMB
+                limits[j] = known.forecast(j, quantities[j], now=True)
+        return quantities, limits
 
 
 def evidence(level: Watch) -> tuple[np.ndarray, np.ndarray]:
@@ -298,7 +310,7 @@ def _paper_records(
     verdict = paper_alarms(statistics, baseline, rate, programs)
     unknown = Grown([np.nan] * 3, "", [np.nan] * 3)
     return [
-        record(statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, np.nan, NOTHING, DETECTORS[1])
+        record(statistics.end[k], int(verdict.axis[k]), "torque histogram", unknown, np.nan, None, DETECTORS[1])
         for k in np.flatnonzero(verdict.alarm)
     ]
 
@@ -320,11 +332,12 @@ def record(
     quantity: str,
     grown: Grown,
     probability: float,
-    expected: Forecast,
+    expected: LimitDate | None,
     detector: str,
 ) -> dict[str, Any]:
     """Return one row of alarms.csv. An end that may never be reached stays empty."""
-    hours = [v if np.isfinite(v) else np.nan for v in (expected.hours, expected.low, expected.high)]
+    found = [np.nan] * 3 if expected is None else expected.hours_from(time)
+    hours = [v if np.isfinite(v) else np.nan for v in found]
     return {
         "time": float(time),
         "axis": axis,

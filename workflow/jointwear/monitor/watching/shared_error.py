@@ -46,6 +46,10 @@ class SharedError:
     common: np.ndarray
     known: np.ndarray
 
+    def until(self, stop: int) -> SharedError:
+        """Return it of the windows before `stop`."""
+        return SharedError(self.value[:stop], self.variance[:stop], self.common[:stop], self.known[:stop])
+
 
 def shared_error(
     residual: np.ndarray,

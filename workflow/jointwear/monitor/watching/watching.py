@@ -26,6 +26,11 @@ FALL_RATE = 0.5
 _MOST_TURNS = 8
 #: Windows of a shift, and standard deviation of the normal state [log], where the baseline does not say.
 _USUAL_WINDOWS, _USUAL_NORMAL = 8.0, 0.01
+#: Fields of :class:`Watch` that are arrays of windows.
+_OF_WINDOWS = (
+    "residual", "std", "noise", "growth", "fall", "mean", "mean_std", "shifts", "alarm", "learning", "unseen", "step",
+    "baseline",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,19 @@ class Watch:
     axes: list[AxisNormal | None]
     baseline: np.ndarray
     starts: list[list[Start]] = field(default_factory=list)
+
+    def until(self, stop: int) -> Watch:
+        """Return it as if windows from `stop` on were not there.
+
+        What axes are held against stays: normal states, and starts before `stop`, also those that windows from `stop`
+        on proposed.
+        """
+        return replace(
+            self,
+            **{name: getattr(self, name)[:stop] for name in _OF_WINDOWS},
+            shared=self.shared.until(stop),
+            starts=[[s for s in own if s.window < stop] for own in self.starts],
+        )
 
 
 def watch(
