@@ -111,7 +111,7 @@ def test_unknown_values_of_an_alarm_stay_empty(tmp_path):
         "detector": "paper",
     }
     write_alarms(tmp_path / "a.csv", [alarm | {"unit": ""}], False)
-    assert (tmp_path / "a.csv").read_text().splitlines()[1] == "7200,2,x,,,,,,,,,,,,,paper"
+    assert (tmp_path / "a.csv").read_text().splitlines()[1] == "7200,2,x,,,,,,,,,,,,,,paper"
 
 
 def test_times_as_text():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from datetime import UTC
 
@@ -10,7 +11,7 @@ import pytest
 from monitor_windows import SETTINGS, VISCOUS, motion, residuals, statistics_of
 
 from jointwear.monitor.judging.judge import judge
-from jointwear.monitor.judging.state import _limit_variables, _limits
+from jointwear.monitor.judging.state import ALARM_COLUMNS, _limit_variables, _limits, write_alarms
 from jointwear.monitor.presentation.condition import CHANGED, AxisCondition
 from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.standing import axis_row
@@ -52,6 +53,18 @@ def test_rows_of_the_first_windows_are_the_first_rows(both_kinds):
             assert words[0] == words[1]
             numbers = [[v for v in row.values() if isinstance(v, float)] for row in (one, other)]
             np.testing.assert_allclose(*numbers, rtol=1e-6)
+
+
+def test_a_row_says_whose_limit_its_hours_are_to(both_kinds, tmp_path):
+    """A row of Coulomb friction said 26 h: those to the limit of viscous friction, which nothing named."""
+    rows = [a for a in rows_until(both_kinds, COUNT) if a["detector"] == "model"]
+    other = [a for a in rows if a["quantity"] == COULOMB_FRICTION and a["limited_by"] == VISCOUS_FRICTION]
+    assert other
+    write_alarms(tmp_path / "alarms.csv", rows, dated=False)
+    with open(tmp_path / "alarms.csv", newline="") as file:
+        table = list(csv.DictReader(file))
+    assert tuple(table[0]) == ALARM_COLUMNS
+    assert [line["limited_by"] for line in table] == [a["limited_by"] for a in rows]
 
 
 def test_today_may_know_an_alarm_by_another_name(both_kinds):

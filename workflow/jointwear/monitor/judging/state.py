@@ -31,7 +31,7 @@ from jointwear.robots.robot import Robot
 ALARM_COLUMNS = (
     "time", "axis", "quantity", "change", "change_low", "change_high", "unit", "growth_percent", "growth_percent_low",
     "growth_percent_high", "limit_percent", "probability_axis", "hours_to_limit", "hours_to_limit_low",
-    "hours_to_limit_high", "detector",
+    "hours_to_limit_high", "limited_by", "detector",
 )  # fmt: skip
 #: Dimensions of most variables of a state file.
 PAIR = ("window", "axis")

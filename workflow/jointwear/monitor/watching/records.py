@@ -354,5 +354,6 @@ def record(
         "hours_to_limit": hours[0],
         "hours_to_limit_low": hours[1],
         "hours_to_limit_high": hours[2],
+        "limited_by": "" if expected is None else expected.quantity,
         "detector": detector,
     }
