@@ -36,7 +36,9 @@ def test_a_day_and_a_night_are_no_wear_for_the_augmented_robot(tmp_path):
         fit = np.einsum("wpk,wk->wp", inverse, statistics.moment[:, AXIS])[:, :2].mean(axis=1)
         found[name] = (
             fit,
-            temperature_share(friction.value[:, AXIS], friction.std[:, AXIS], statistics.temperature[:, AXIS]),
+            temperature_share(
+                friction.value[:, AXIS], friction.std[:, AXIS], statistics.temperature[:, AXIS], statistics.start
+            ),
         )
     assert np.ptp(found["nominal"][0]) > 10 * SLOPE
     assert np.std(found["augmented"][0]) < 0.1 * np.std(found["nominal"][0])

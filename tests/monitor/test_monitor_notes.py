@@ -121,15 +121,24 @@ def test_a_robot_of_which_nothing_can_be_judged_has_a_page(monitored, tmp_path):
 def test_share_of_the_temperature():
     random = np.random.default_rng(2)
     temperature = np.linspace(20, 40, 60) + random.standard_normal(60)
-    std = np.full(60, 0.1)
+    std, time = np.full(60, 0.1), 3600.0 * np.arange(60)
     noise = 0.1 * random.standard_normal(60)
-    warm = temperature_share(5 - 0.05 * temperature + noise, std, temperature)
+    warm = temperature_share(5 - 0.05 * temperature + noise, std, temperature, time)
     assert warm.slope == pytest.approx(-0.05, abs=4 * warm.slope_std)
     assert warm.explained > 0.8
     assert warm.with_time > 0.9
-    assert temperature_share(5 + noise, std, temperature).explained < 0.1
-    assert temperature_share(5 + noise, std, np.full(60, 30.0)) is None
-    assert temperature_share(5 + noise, std, np.full(60, np.nan)) is None
+    assert temperature_share(5 + noise, std, temperature, time).explained < 0.1
+    assert temperature_share(5 + noise, std, np.full(60, 30.0), time) is None
+    assert temperature_share(5 + noise, std, np.full(60, np.nan), time) is None
+
+
+def test_pauses_count_in_how_far_temperature_goes_with_time():
+    """Two mornings alike, eleven days apart: by the order of the windows the temperature rose."""
+    time = np.array([0.0, 1, 2, 3, 264, 265, 266, 267])
+    temperature = np.array([20.0, 25, 30, 35, 22, 27, 32, 37])
+    share = temperature_share(np.arange(8.0) + 5, np.ones(8), temperature, time)
+    assert share.with_time == pytest.approx(np.corrcoef(time, temperature)[0, 1])
+    assert share.with_time < 0.2
 
 
 @pytest.mark.parametrize(

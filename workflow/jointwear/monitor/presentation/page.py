@@ -98,7 +98,8 @@ def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[d
 def temperature_rows(state: RobotState) -> list[dict[str, Any]]:
     """Return for every axis how much of the change of its friction goes with temperature, where that is known."""
     values, std, _ = state.estimates["friction"]
-    shares = [temperature_share(values[:, j], std[:, j], state.temperature[:, j]) for j in range(state.axes)]
+    middle = 0.5 * (state.start + state.end)
+    shares = [temperature_share(values[:, j], std[:, j], state.temperature[:, j], middle) for j in range(state.axes)]
     return [{"axis": j + 1, "share": share} for j, share in enumerate(shares) if share is not None]
 
 

@@ -29,10 +29,12 @@ class TemperatureShare:
     with_time: float
 
 
-def temperature_share(estimate: np.ndarray, std: np.ndarray, temperature: np.ndarray) -> TemperatureShare | None:
+def temperature_share(
+    estimate: np.ndarray, std: np.ndarray, temperature: np.ndarray, time: np.ndarray
+) -> TemperatureShare | None:
     """Fit a line to estimates (w,) with standard deviations over temperatures [degC]; None where there is too little.
 
-    Windows count by their inverse variance.
+    Windows count by their inverse variance. `time` (w,) of the windows [s]: pauses between them count.
     """
     good = np.isfinite(estimate) & np.isfinite(std) & (std > 0) & np.isfinite(temperature)
     if good.sum() < FEWEST_WINDOWS or np.ptp(temperature[good]) < SPREAD:
@@ -55,5 +57,5 @@ def temperature_share(estimate: np.ndarray, std: np.ndarray, temperature: np.nda
         slope=slope,
         slope_std=float(np.sqrt(scatter / power)),
         explained=max(explained, 0.0),
-        with_time=float(np.corrcoef(np.flatnonzero(good), t)[0, 1]),
+        with_time=float(np.corrcoef(time[good], t)[0, 1]),
     )
