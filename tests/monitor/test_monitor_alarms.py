@@ -46,14 +46,14 @@ def test_alarms_of_the_papers_detector_decide_nothing_and_are_shown(monitored, t
 @pytest.mark.parametrize(
     ("last", "now", "news"),
     [
-        (_Told(0.0, 1, True, 0.03), _Told(23.0, 1, True, 0.200), False),
-        (_Told(0.0, 1, True, 0.03), _Told(24.0, 1, True, 0.035), False),
-        (_Told(0.0, 1, True, 0.03), _Told(24.0, 1, True, 0.041), True),
-        (_Told(0.0, 1, True, 0.03, again=True), _Told(24.0, 1, True, 0.045), False),
-        (_Told(0.0, 1, True, 0.03, again=True), _Told(24.0, 1, True, 0.051), True),
-        (_Told(0.0, 1, True, 0.03, again=True), _Told(168.0, 1, True, 0.030), True),
-        (_Told(0.0, 1, False, 0.03), _Told(24.0, 1, True, 0.010), True),
-        (_Told(0.0, 1, True, 0.03), _Told(24.0, 1, False, 0.200), False),
+        (_Told(0.0, True, 0.03), _Told(23.0, True, 0.200), False),
+        (_Told(0.0, True, 0.03), _Told(24.0, True, 0.035), False),
+        (_Told(0.0, True, 0.03), _Told(24.0, True, 0.041), True),
+        (_Told(0.0, True, 0.03, again=True), _Told(24.0, True, 0.045), False),
+        (_Told(0.0, True, 0.03, again=True), _Told(24.0, True, 0.051), True),
+        (_Told(0.0, True, 0.03, again=True), _Told(168.0, True, 0.030), True),
+        (_Told(0.0, False, 0.03), _Told(24.0, True, 0.010), True),
+        (_Told(0.0, True, 0.03), _Told(24.0, False, 0.200), False),
     ],
 )
 def test_an_alarm_is_told_again_where_its_growth_goes_on(last, now, news):

@@ -9,7 +9,6 @@ that of the pulses [%]; how large the gap is would take a second encoder.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +18,7 @@ from jointwear.files.wording import name_axes
 from jointwear.monitor.normal.dispersion import Q80
 from jointwear.monitor.normal.series import Series
 from jointwear.monitor.reading.windows import WindowStatistics
+from jointwear.monitor.watching.lasting_alarms import is_open, told_windows
 from jointwear.monitor.watching.records import DETECTORS, UNJUDGED, Grown, record
 from jointwear.monitor.watching.watching import Watch
 
@@ -163,16 +163,16 @@ def backlash_alarms(watched: Watch) -> np.ndarray:
 
 
 def backlash_records(statistics: WindowStatistics, watched: Watch) -> list[dict[str, Any]]:
-    """Return the rows of alarms.csv; an alarm that lasts is told again after :data:`REPEAT_HOURS`."""
+    """Return the rows of alarms.csv; an alarm that lasts is told again after :data:`REPEAT_HOURS`, and one that comes
+    after a repair is a new one."""
     result = []
     alarm = backlash_alarms(watched)
+
+    def is_news(last: int, now: int, again: bool) -> bool:
+        return float(statistics.end[now] - statistics.end[last]) >= 3600 * REPEAT_HOURS
+
     for j in range(statistics.axes):
-        last = -np.inf
-        for k in np.flatnonzero(alarm[:, j]):
-            hour = statistics.end[k] / 3600
-            if hour - last < REPEAT_HOURS:
-                continue
-            last = hour
+        for k in np.flatnonzero(told_windows(alarm[:, j], watched.starts[j], is_news)):
             mean, error = watched.mean[k, j], watched.mean_std[k, j]
             change = [100 * float(np.expm1(v)) for v in (mean, mean - Q80 * error, mean + Q80 * error)]
             grown = Grown(change, "%", change)
@@ -184,12 +184,8 @@ def raised_status(status: np.ndarray, watched: Watch, changed: str) -> np.ndarra
     """Return the status (w, n) with `changed` from the first alarm of backlash until an event of the config."""
     result, alarm = status.copy(), backlash_alarms(watched)
     for j in range(status.shape[1]):
-        edges = [0, *[s.window for s in watched.starts[j] if s.closes], len(status)]
-        for a, b in itertools.pairwise(edges):
-            hits = np.flatnonzero(alarm[a:b, j])
-            if len(hits):
-                after = slice(a + int(hits[0]), b)
-                result[after, j] = np.where(status[after, j] == UNJUDGED, UNJUDGED, changed)
+        open_ = is_open(alarm[:, j], watched.starts[j])
+        result[open_, j] = np.where(status[open_, j] == UNJUDGED, UNJUDGED, changed)
     return result
 
 

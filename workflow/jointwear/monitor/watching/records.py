@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from jointwear.monitor.normal.series import Series, loud_windows
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.decision import TOLERATED
+from jointwear.monitor.watching.lasting_alarms import is_open, told_windows
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate, Limits
 from jointwear.monitor.watching.locate import honest_probability
 from jointwear.monitor.watching.paper_detector import paper_alarms
@@ -50,11 +52,10 @@ class Reason(IntEnum):
 
 @dataclass(frozen=True)
 class _Told:
-    """An alarm that was told: at `hour`, in which `segment` between starts, of the level or of viscous friction alone
-    (`by_level`), with the `mean` of its shifts; `again`: it had been told before in that segment."""
+    """An alarm that was told: at `hour`, of the level or of viscous friction alone (`by_level`), with the `mean` of its
+    shifts; `again`: it had been told before since the axis was learnt anew."""
 
     hour: float
-    segment: int
     by_level: bool
     mean: float
     again: bool = False
@@ -139,21 +140,22 @@ class Teller:
 
     def _spaced(self) -> np.ndarray:
         """Return which alarms (w, n) are told."""
-        told, hour = np.zeros_like(self._alarm), self._s.end / 3600
+        told = np.zeros_like(self._alarm)
         for j in range(told.shape[1]):
-            starts = [0, *[s.window for s in self._level.starts[j] if not s.kept], len(hour)]
-            last: _Told | None = None
-            for k in np.flatnonzero(self._alarm[:, j]):
-                segment = int(np.searchsorted(starts, k, side="right"))
-                by_level = bool(self._level.alarm[k, j])
-                watched = self._level if by_level else self._viscous
-                now = _Told(float(hour[k]), segment, by_level, float(watched.mean[k, j]))
-                if last is not None and last.segment == segment:
-                    if not _is_news(last, now, float(watched.mean_std[k, j])):
-                        continue
-                    now = replace(now, again=True)
-                told[k, j], last = True, now
+            told[:, j] = told_windows(self._alarm[:, j], self._level.starts[j], partial(self._is_news, j))
         return told
+
+    def _is_news(self, j: int, last: int, now: int, again: bool) -> bool:
+        """Return :func:`_is_news` of axis `j` at the window `now`, of an alarm that was told in the window `last`."""
+
+        def watched(k: int) -> Watch:
+            return self._level if self._level.alarm[k, j] else self._viscous
+
+        def told(k: int) -> _Told:
+            by_level = bool(self._level.alarm[k, j])
+            return _Told(float(self._s.end[k] / 3600), by_level, float(watched(k).mean[k, j]))
+
+        return _is_news(replace(told(last), again=again), told(now), float(watched(now).mean_std[now, j]))
 
     def _states(self) -> np.ndarray:
         """Return the status (w, n); an axis that has alarmed stays changed until an event of the config closes it."""
@@ -161,14 +163,8 @@ class Teller:
         status = np.full(residual.shape, HEALTHY, dtype=object)
         status[~np.isfinite(residual)] = UNJUDGED
         for j in range(residual.shape[1]):
-            closed = [s.window for s in self._level.starts[j] if s.closes]
-            edges = [0, *closed, len(residual)]
-            for a, b in itertools.pairwise(edges):
-                hits = np.flatnonzero(self._alarm[a:b, j])
-                if len(hits):
-                    after = slice(a + hits[0], b)
-                    open_ = np.isfinite(residual[after, j]) | self._level.learning[after, j]
-                    status[after, j] = np.where(open_, CHANGED, UNJUDGED)
+            open_, known = is_open(self._alarm[:, j], self._level.starts[j]), np.isfinite(residual[:, j])
+            status[open_, j] = np.where((known | self._level.learning[:, j])[open_], CHANGED, UNJUDGED)
         return status
 
     def _parts(self, k: int, j: int, episode: bool) -> tuple[str, float, float]:
