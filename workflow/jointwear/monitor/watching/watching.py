@@ -22,8 +22,6 @@ from jointwear.monitor.watching.watched_axis import Common, Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
 FALL_RATE = 0.5
-#: Most rounds in which services are looked for.
-_MOST_TURNS = 8
 #: Windows of a shift, and standard deviation of the normal state [log], where the baseline does not say.
 _USUAL_WINDOWS, _USUAL_NORMAL = 8.0, 0.01
 #: Fields of :class:`Watch` that are arrays of windows.
@@ -140,8 +138,9 @@ def _settled(
     states: dict[int, WatchedAxis] = {}
     after = after_baseline(baseline)
     again = [j for j, axis in enumerate(axes) if axis is not None]
-    # Services change what comes after them: found one after the other, until none is left.
-    for _ in range(_MOST_TURNS):
+    # Services change what comes after them: found one after the other, until none is left. Each begins with a shift of
+    # its own; the last turn looks for none, so that what is returned holds with all starts.
+    for left in reversed(range(1 + len(np.unique(shift)))):
         states |= {j: held(j) for j in again}
         beside = _beside(states, len(axes), period, asked)
         anew = [j for j in states if starts[j]]
@@ -151,7 +150,7 @@ def _settled(
             beside = _beside(states, len(axes), period, asked)
         evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
         again = []
-        for j in states:
+        for j in states if left else ():
             service = _service(evidence[j], limits.fall[j], shift, baseline)
             if service is not None and (later := _with_service(starts[j], *service)) is not None:
                 starts[j] = later
