@@ -70,6 +70,7 @@ def test_a_thermometer_that_never_worked_is_told():
     assert not stuck(found, baseline).any()
     (told,) = broken(found, baseline)
     assert "shows 0 degC throughout the normal period" in told["words"]
+    assert "as if no temperature were logged, also once it is mended" in told["words"]
 
 
 @pytest.mark.parametrize("later", [[20.0] * 15, list(20 + 2 * (np.arange(24) % 8)), [12.0, 14.0], [np.nan] * 30])

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointwear.files.wording import count, name_axes
 from jointwear.measurement.units import UNITS
+from jointwear.monitor.normal.conditions import SAME
 from jointwear.monitor.normal.shifts import PAUSE_HOURS
 from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -23,8 +24,6 @@ FEWEST_WINDOWS = 2
 STUCK, PAUSES = 8, 2
 #: Multiple of the longest such run of the baseline: a coarse thermometer stays where it is for hours.
 LONGER = 3
-#: Difference [K] between windows below which a thermometer shows the same.
-SAME = 1e-6
 
 
 def other_unit(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str, Any]]:
@@ -114,7 +113,8 @@ def broken(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str,
         same = np.where(known & constant & baseline[:, None], given, np.nan)
         words = (
             f"The thermometer of {{axes}} shows {_values(same)} degC throughout the normal period: not connected, "
-            "or stuck. These axes are judged as if no temperature were logged; mend it, or leave its column out."
+            "or stuck. These axes are judged as if no temperature were logged, also once it is mended, until a normal "
+            "period with it is stated; mend it, or leave its column out."
         )
         result.append(_told(statistics, known & constant, words))
     stopped &= ~constant

@@ -53,6 +53,8 @@ OVERRIDE = 1.5
 PRODUCT, PRODUCT_WARM = 0.02, 0.4
 #: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.
 BEYOND = 0.004
+#: Difference [K] up to which temperatures are the same.
+SAME = 1e-6
 #: A thermometer on a housing and the oil inside are out of step while the temperature changes: hours [h] of the mean
 #: that the temperature is held against, and standard deviation per K that it is off that mean by more than it was in
 #: the baseline.
@@ -87,7 +89,17 @@ class Conditions:
             return False
         some = self.temperature[:, known]
         with np.errstate(invalid="ignore"):
-            return bool(np.all(np.abs(some - some[:, :1])[np.isfinite(some).all(axis=1)] < 1e-6))
+            return bool(np.all(np.abs(some - some[:, :1])[np.isfinite(some).all(axis=1)] < SAME))
+
+    def telling(self, learnt: np.ndarray) -> Conditions:
+        """Return them without the temperatures of axes that show one value in all windows `learnt` (w, n) they are
+        learnt from: these teach nothing of what another one does, and are as good as not logged."""
+        seen = learnt & np.isfinite(self.temperature)
+        low, high = (
+            limit(self.temperature, axis=0, initial=end, where=seen)
+            for limit, end in ((np.min, np.inf), (np.max, -np.inf))
+        )
+        return replace(self, temperature=np.where(high - low > SAME, self.temperature, np.nan))
 
     def until(self, window: int) -> Conditions:
         """Return those of the windows before `window`."""

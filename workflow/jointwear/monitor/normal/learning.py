@@ -84,6 +84,7 @@ def learn_axes(
     if not len(rows):
         return [None] * learnt.shape[1]
     until = int(rows[-1]) + 1
+    conditions = conditions.telling(learnt)
     early = conditions.until(until)
     shared = early.shared
     parts = [Series(s.value[:until], s.variance[:until], s.unit, s.share) for s in series]
