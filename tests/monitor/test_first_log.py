@@ -1,20 +1,28 @@
 """What a robot file does not have must not cost a robot its first log, and what it needs in vain must be told."""
 
-from dataclasses import replace
+import re
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from discovery_cases import make_case
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.checks.left_over import left_over
+from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.refused import Refused
+from jointwear.monitor.events import Event
+from jointwear.monitor.findings.misfits import misfit_findings
 from jointwear.monitor.findings.read_findings import missing_temperature
 from jointwear.monitor.findings.seen_growth import dead_band_findings
+from jointwear.monitor.presentation.to_answer import asks_for_answer
 from jointwear.monitor.reading.logs import log_statistics
+from jointwear.monitor.reading.misfit import misfit_of
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.reversals import reach_of
 from jointwear.monitor.reading.survey import read_survey, survey_log
-from jointwear.robots.robot import EffectEntry, Link
+from jointwear.robots.robot import EffectEntry, Link, load_robot
 from jointwear.studies.shop_floor.cell import draw_cell
 from jointwear.studies.shop_floor.fast_path import survey_of
 
@@ -146,3 +154,38 @@ def test_dates_make_a_rate_no_slower(tmp_path, rate, reach):
     slower = make_log(30.0, start=1.767e9, rate=9.5)
     with pytest.raises(InputError, match=r"sampled at 9\.5 Hz, .* or at least 10 Hz"):
         surveyed(tmp_path, slower)
+
+
+def test_a_robot_file_that_leaves_most_of_an_axis_is_told_with_its_share(tmp_path, statistics):
+    """It was stored as what later logs are compared with, and every axis was healthy."""
+    arm = model().robot.links[1]
+    bodies = (model().robot.links[0], replace(arm, com=arm.com[[1, 2, 0]]), *model().robot.links[2:])
+    wrong = TorqueModel(replace(model().robot, links=bodies))
+    path = write_parquet(tmp_path / "log.parquet", columns(make_log(60.0)))
+    (told,) = misfit_findings(statistics, survey_log(str(path), layout(), wrong, LENGTH), [])
+    assert told["axes"] == [2]
+    assert asks_for_answer(told)
+    assert "of the squared torque of axis 2 unexplained" in told["words"]
+    assert misfit_findings(statistics, survey_log(str(path), layout(), model(), LENGTH), []) == []
+
+
+@pytest.mark.parametrize("axis", [1, 2])
+def test_a_zero_that_no_convention_has_is_the_reason_where_others_look_exchanged(tmp_path, axis):
+    log = make_log(60.0)
+    off = log.position + np.radians(27.0) * (np.arange(6) == axis)
+    with pytest.raises(Refused, match=f"joint {axis + 1} looks counted from another zero, -2[67]"):
+        surveyed(tmp_path, replace(log, position=off))
+
+
+def test_a_zero_that_refuses_nothing_is_told_with_its_degrees(tmp_path, statistics):
+    arm = load_robot("config/robots/puma560.yaml")
+    plain = make_case(arm, 3)
+    off = measure(replace(plain, position=plain.position + np.radians([0, 20, 0, 0, 0, 0])))
+    misfit = misfit_of(off, arm, left_over(off, arm))
+    found = replace(surveyed(tmp_path, make_log(20.0)), **asdict(misfit))
+    (told,) = misfit_findings(statistics, found, [])
+    assert told["axes"] == [2]
+    assert asks_for_answer(told)
+    assert re.search(r"add -(19|20)[.\d]* deg to the position of joint 2", told["words"])
+    (answered,) = misfit_findings(statistics, found, [Event(0.0, (1,), "sensor")])
+    assert not asks_for_answer(answered)

@@ -41,7 +41,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.undecided import NUMERICAL, reason
 from jointwear.discovery.verdict import NONE, Verdict
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks.other_zero import zero_in_words
+from jointwear.measurement.checks.other_zero import ANOTHER_ZERO, zero_in_words
 from jointwear.measurement.checks.silent_joints import moving_torques
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.robot import Robot
@@ -188,7 +188,7 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
     outcome.unexplained = lasting(outcome)
     if outcome.force is not None and outcome.unexplained:
         restrictions = [*restrictions, force_in_words(outcome.force)]
-    elif outcome.unexplained and not outcome.named:
+    elif outcome.unexplained and not outcome.named and not any(ANOTHER_ZERO in line for line in restrictions):
         restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
     restrictions = [*restrictions, *links_in_words(outcome)]
     final, files, torques = sound_files(problem, outcome)

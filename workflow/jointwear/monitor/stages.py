@@ -15,6 +15,7 @@ import numpy as np
 from jointwear.files.errors import InputError
 from jointwear.monitor.events import events_of, planned_events
 from jointwear.monitor.findings.clocks import clock_findings
+from jointwear.monitor.findings.misfits import misfit_findings
 from jointwear.monitor.findings.read_findings import missing_temperature
 from jointwear.monitor.findings.seen_growth import COARSE, dead_band_findings
 from jointwear.monitor.findings.short_logs import short_log_findings
@@ -128,7 +129,9 @@ def judge_pieces(
     early += planned_event_findings(statistics, planned_events(entry))
     more = [*early, *clock_findings(whole), *short_log_findings(whole), *missing_temperature(statistics, arm)]
     if survey is not None:
-        more += _dead_bands(read_survey(survey), statistics, judgement, baseline.mask)
+        seen = read_survey(survey)
+        more += _dead_bands(seen, statistics, judgement, baseline.mask)
+        more += misfit_findings(statistics, seen, events_of(entry))
     judgement = replace(judgement, findings=[*more, *judgement.findings])
     write_state(state, judgement, whole, baseline.mask, arm, entry, name or arm.name)
     write_alarms(alarms, judgement.alarms, whole.statistics.dated)

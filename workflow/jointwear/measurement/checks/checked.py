@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jointwear.measurement.checks.axes_check import check_axes, signs_in_doubt, signs_of
+from jointwear.measurement.checks.axes_check import RIGHT, signs_in_doubt, signs_of
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import clipped_torques
 from jointwear.measurement.checks.copied_columns import check_columns_differ
@@ -10,8 +10,10 @@ from jointwear.measurement.checks.derivative_checks import check_derivatives, ch
 from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
 from jointwear.measurement.checks.lasting_jumps import check_rows_follow
 from jointwear.measurement.checks.late_torque import check_delay
+from jointwear.measurement.checks.left_over import left_in_words
 from jointwear.measurement.checks.model_size import check_model_size, unusual_parameters
 from jointwear.measurement.checks.mounting import check_mounting
+from jointwear.measurement.checks.other_zero import check_axes_and_zero, zero_in_words
 from jointwear.measurement.checks.position_unit import check_position_unit, check_reach
 from jointwear.measurement.checks.silent_joints import moving_torques, silence_in_words
 from jointwear.measurement.checks.time_scale import check_time_scale
@@ -57,11 +59,13 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_mounting(name, robot, thin.parts, thin.usable, stated)
     check_time_scale(name, robot, thin.parts, thin.usable)
     signs = signs_of(robot, measured)
-    if not check_axes(name, robot, measured, stated, signs):
+    if not check_axes_and_zero(name, robot, measured, stated, signs):
         restrictions.append(UNASKED)
     restrictions += signs_in_doubt(robot, measured, signs, stated)
     check_scale_of_one(factors)
     check_model_size(measured, robot, name, behind_gears=recording.torque_kind == "link_sensor")
     check_follows(measured, robot, name)
+    # Parameters that are somewhat wrong leave no more than a right file does: nothing asks for another zero then.
+    restrictions += zero_in_words(measured, robot, RIGHT) or left_in_words(measured, robot)
     restrictions += check_delay(measured, robot, name)
     return measured, [*restrictions, *clipped_torques(recording)]

@@ -9,6 +9,7 @@ from typing import Any
 from jointwear.monitor.findings.findings import AT_ONCE, FELL, PROGRAM, SHARED
 from jointwear.monitor.findings.greasing import GREASED
 from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN
+from jointwear.monitor.findings.misfits import MISFIT
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
 from jointwear.monitor.findings.offsets import OFFSET
 from jointwear.monitor.findings.read_findings import DRIVES, NONE
@@ -22,7 +23,7 @@ from jointwear.monitor.reading.zeros import ZERO
 #: Kind of a finding on logs that are dated ahead of now.
 AHEAD = "dated_ahead"
 #: Kinds of findings that somebody has to answer, though no axis has alarmed.
-ASKING = (AHEAD, ELSEWHERE, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREASED, LOUD, ZERO)
+ASKING = (AHEAD, ELSEWHERE, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREASED, LOUD, ZERO, MISFIT)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
 WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN, OFFSET)

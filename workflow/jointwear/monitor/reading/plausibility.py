@@ -9,12 +9,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from jointwear.measurement.checks.axes_check import check_axes, explained
+from jointwear.measurement.checks.axes_check import explained
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import at_limit
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
+from jointwear.measurement.checks.other_zero import check_axes_and_zero
 from jointwear.measurement.checks.silent_joints import check_torque_moves
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.checks.unsigned_torque import check_torque_has_sign
@@ -26,6 +27,7 @@ from jointwear.measurement.stated import Stated
 from jointwear.measurement.turns import turns_on
 from jointwear.monitor.reading.accumulate import moving
 from jointwear.monitor.reading.derivation import Motion
+from jointwear.monitor.reading.misfit import Misfit, misfit_of
 from jointwear.monitor.reading.misreadings import check_readings
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -43,8 +45,9 @@ MARGIN = 0.5
 
 def check_first(
     chunk: Chunk, stretch: np.ndarray, motion: Motion, robot: Robot, dead_band: np.ndarray, name: str
-) -> list[float | None]:
-    """Check the first log; return for each axis the share of its squared torque that the model leaves, or None.
+) -> tuple[list[float | None], Misfit]:
+    """Check the first log; return for each axis the share of its squared torque that the model leaves, or None, and
+    what of that a right robot file would not leave.
 
     Parameters
     ----------
@@ -57,7 +60,7 @@ def check_first(
     """
     measured = busiest_piece(chunk, stretch, motion, dead_band)
     if len(measured.time) < FEWEST_OF_JOINT:
-        return [None] * robot.joints
+        return [None] * robot.joints, Misfit()
     check_units(measured, robot, name, chunk.units)
     stated = Stated(chunk.units, chunk.factors)
     check_derivatives(chunk, stretch, name)
@@ -84,7 +87,7 @@ def check_first(
             "give 'torque_constant' in N m/A, 'scale', or 'units: {torque: ...}', or another robot file",
             by_keys=True,
         )
-    return [float(x) if np.isfinite(x) else None for x in left]
+    return [float(x) if np.isfinite(x) else None for x in left], misfit_of(measured, robot, left)
 
 
 def busiest_piece(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> Measured:
@@ -154,7 +157,7 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
     except Refused as refusal:
         told = str(refusal).replace(f"data set '{name}'", name, 1)
         raise Refused(told, refusal.suggestion, refusal.by_keys) from None
-    check_axes(name, robot, against, stated)
+    check_axes_and_zero(name, robot, against, stated)
 
 
 def _busiest(velocity: np.ndarray, most: int) -> slice:

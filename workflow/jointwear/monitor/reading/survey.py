@@ -65,7 +65,8 @@ class Survey:
     log, others have their own; `dated`; `measured`: roles that the log has; `left`: share of the squared torque that
     the model leaves, or None; `late`, `late_error` [s]: how late the torque is, :mod:`.torque_lag`, None where that is
     not seen; `block` [s] of :class:`~.accumulate.WindowSettings`; `log`: the log itself; `noisy`: the axis moves, and
-    its dead band comes from the noise of its velocity.
+    its dead band comes from the noise of its velocity; `left_over`, `zero` and `zero_axis` (0-based) as of
+    :class:`~.misfit.Misfit`, of no axis where the list is empty.
     """
 
     dated: bool
@@ -80,6 +81,9 @@ class Survey:
     noisy: list[bool] = field(default_factory=list)
     late: list[float] = field(default_factory=list)
     late_error: list[float | None] = field(default_factory=list)
+    left_over: list[float | None] = field(default_factory=list)
+    zero: str = ""
+    zero_axis: int | None = None
 
     @property
     def lag(self) -> Lag | None:
@@ -137,7 +141,7 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     cutoff, noise = _spectra(chunk, stretch, rate, derived)
     motion = derive_motion(chunk, stretch, cutoff)
     dead_bands, noisy = _dead_band(motion, noise, dead_band)
-    left = check_first(chunk, stretch, motion, model.robot, dead_bands, path)
+    left, misfit = check_first(chunk, stretch, motion, model.robot, dead_bands, path)
     first = _First(chunk, stretch, motion, model, dead_bands, rate)
     lag = _lag(first, length)
     return Survey(
@@ -153,6 +157,9 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         noisy=noisy.tolist(),
         late=lag.late.tolist(),
         late_error=[float(e) if np.isfinite(e) else None for e in lag.error],
+        left_over=misfit.left_over,
+        zero=misfit.zero,
+        zero_axis=misfit.zero_axis,
     )
 
 
