@@ -29,6 +29,41 @@ def test_a_log_that_is_there_twice_counts_once_and_says_so():
     assert not history.pieces[2].refused
 
 
+def of_torques(log: str, hour: int, seed: int, dated: bool = True) -> Piece:
+    """A log of two hours whose torques are drawn by a seed, spread over the windows in another way each time."""
+    drawn = np.abs(np.random.default_rng(seed).normal(0, 20, (2, 288)))
+    found, whole = piece(log, hour), drawn.astype(int)
+    found.statistics.torque_histogram[0] = whole // (2 + hour % 7)
+    found.statistics.torque_histogram[1] = whole - found.statistics.torque_histogram[0]
+    found.statistics.torque_peak[hour // 24 % 2] = drawn.max(axis=1)
+    return found if dated else replace(found, statistics=replace(found.statistics, dated=False))
+
+
+def test_torques_of_another_day_under_new_stamps_are_told_and_count_once():
+    """Four days of replayed samples had been four healthy days."""
+    days = [of_torques(f"{k}.csv", 24 * k, seed=min(k, 3)) for k in range(6)]
+    history = assemble(days)
+    assert [bool(p.refused) for p in history.pieces] == [False] * 4 + [True] * 2
+    assert "4.csv: holds the torques of 3.csv to the last sample" in history.pieces[4].refused[0]
+    assert "2 days later" in history.pieces[5].refused[0]
+    assert history.statistics.windows == 8
+    # The first in time is the measurement, whatever its name.
+    history = assemble([replace(days[5], log="0.csv"), *days[1:5]])
+    assert [bool(p.refused) for p in history.pieces] == [True, False, False, False, True]
+
+
+def test_logs_without_dates_are_told_apart_by_their_torques():
+    logs = [of_torques(f"{k}.csv", 0, seed=k // 2, dated=False) for k in range(3)]
+    assert [bool(p.refused) for p in assemble(logs).pieces] == [False, True, False]
+
+
+def test_torques_at_rest_may_be_those_of_yesterday():
+    rest = [of_torques(f"{k}.csv", 24 * k, seed=0) for k in range(2)]
+    for one in rest:
+        one.statistics.count[:] = 0
+    assert not any(p.refused for p in assemble(rest).pieces)
+
+
 def part(log: str, first: float, last: float, **more) -> Piece:
     """A log of some hours, with samples in each."""
     hours = np.arange(first // 3600, last // 3600 + 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from datetime import datetime, tzinfo
 
@@ -11,6 +11,7 @@ import numpy as np
 from jointwear.monitor.local_time import repeats_after, zone_of
 from jointwear.monitor.reading.misdated import misdated_words, wrong_of_overlapping
 from jointwear.monitor.reading.program_labels import window_programs
+from jointwear.monitor.reading.replayed import replayed, replayed_words
 from jointwear.monitor.reading.windows import WindowStatistics, merge
 
 #: Time [s] by which logs that follow each other may overlap: samples that a logger writes to both.
@@ -50,11 +51,12 @@ def assemble(pieces: Sequence[Piece], time_zone: str | None = None) -> History:
 
     Logs with dates go where their dates say. Logs without go on by their own clock; where one begins before the one
     before it ends, its clock was started anew, and it is moved on by whole windows to follow it. A log that holds the
-    same samples as a dated one before it, under another name or in another format, counts once. One with dates that
-    holds samples between those of another is refused, as one arm moves in one way at a time: the later one, or the one
-    that is gone, or that whose dates are wrong where :func:`.wrong_of_overlapping` tells. So is one that is
-    :func:`.misdated`: as the newest one of all it would stand for the state of now. Where summer time ends an hour of
-    `time_zone` comes twice: a log of it that holds samples between those of one before it is of the second time.
+    same samples as a dated one before it, under another name or in another format, counts once. One that holds the
+    torques of another one under other times is refused (:func:`.replayed`). One with dates that holds samples between
+    those of another is refused, as one arm moves in one way at a time: the later one, or the one that is gone, or that
+    whose dates are wrong where :func:`.wrong_of_overlapping` tells. So is one that is :func:`.misdated`: as the newest
+    one of all it would stand for the state of now. Where summer time ends an hour of `time_zone` comes twice: a log of
+    it that holds samples between those of one before it is of the second time.
     """
     zone = zone_of(time_zone)
     pieces = _with_second_hours(pieces, zone)
@@ -69,6 +71,7 @@ def assemble(pieces: Sequence[Piece], time_zone: str | None = None) -> History:
         for k, (piece, key) in enumerate(zip(pieces, keys, strict=True))
         if key in wrong and k not in astray
     }
+    astray |= _replays(pieces, keys, astray.keys())
     if not astray.keys().isdisjoint({*among, *among.values()}):
         among = _overlaps(pieces, [None if k in astray else key for k, key in enumerate(keys)])
     for number, (given, key) in enumerate(zip(pieces, keys, strict=True)):
@@ -95,6 +98,19 @@ def assemble(pieces: Sequence[Piece], time_zone: str | None = None) -> History:
             end, last = max(end, float(statistics.end.max())), max(last, piece.last)
         placed.append(piece)
     return History(merge([p.statistics for p in placed]), tuple(placed), shifted)
+
+
+def _replays(pieces: Sequence[Piece], keys: Sequence[tuple | None], apart: Set[int]) -> dict[int, str]:
+    """Return in words, by its place among `pieces`, which log every log replays that does; those `apart` take no
+    part."""
+    first = [p.first for p in pieces]
+    found = replayed([p.log for p in pieces], [p.statistics for p in pieces], first, keys, apart)
+    return {
+        k: replayed_words(
+            pieces[k].log, pieces[other].log, first[k] - first[other] if pieces[k].statistics.dated else np.nan
+        )
+        for k, other in found.items()
+    }
 
 
 def _overlap_words(piece: Piece, other: Piece, zone: tzinfo) -> str:
