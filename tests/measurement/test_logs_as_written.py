@@ -267,6 +267,27 @@ def test_a_cell_behind_a_row_of_a_wrong_length_is_told_with_its_row_in_the_file(
     assert next(chunks).unread == (1, "row 24 has 'x' in column 'position_1'")
 
 
+@pytest.mark.parametrize("stamp", ["2026-01-15 06:00:{:05.2f}", "{:.2f}"])
+@pytest.mark.parametrize("at", [0, 30])
+def test_the_header_once_more_says_nothing(tmp_path, stamp, at):
+    rows = [f"{stamp.format(0.02 * k)},{0.1 * k:.1f},{k}" for k in range(50)]
+    path = write(tmp_path / "a.csv", [",".join(HEADER), *rows[:at], " , ".join(HEADER), *rows[at:]])
+    chunks = list(read_log(path, layout_of({}, ["joint_1"])))
+    assert np.concatenate([c.torque[:, 0] for c in chunks]).tolist() == list(range(50))
+    assert not any(c.unread[0] for c in chunks)
+
+
+def test_a_log_ends_at_a_header_in_another_order(tmp_path):
+    """The values below it had been read under the names of the first one."""
+    first = [f"{0.02 * k:.2f},{0.1 * k:.1f},{k}" for k in range(30)]
+    then = [f"{0.02 * k:.2f},{k},{0.1 * k:.1f}" for k in range(30, 60)]
+    path = write(tmp_path / "a.csv", [",".join(HEADER), *first, "time,torque_1,position_1", *then])
+    read = read_log(path, layout_of({}, ["joint_1"]))
+    assert next(read).torque[:, 0].tolist() == list(range(30))
+    with pytest.raises(InputError, match="row 32 names the columns anew, in another order: 'torque_1' where 'position"):
+        list(read)
+
+
 def test_many_rows_of_a_wrong_length_are_another_layout(tmp_path):
     path = write(tmp_path / "a.csv", [",".join(HEADER), *["0,0.1"] * (MOST_TORN + 1), "1,0.1,2"])
     with pytest.raises(InputError, match=r"row 2 has 2 cells"):

@@ -26,19 +26,43 @@ _NUMBERED = (
 @dataclass
 class Cells:
     """Reads batches of text of one log at `path` as numbers; `decimal` sign, `time`: its column, `stamped` where it
-    holds times of day, `text`: columns of text. `rows` read so far, `line` of the file before the first of them,
-    `left_out`: rows of the file that the batches lack, in order, `label`: the column of the labels of trajectories."""
+    holds times of day, `text`: columns of text, `names`: of all columns in their order. `rows` read so far, `line` of
+    the file before the first of them, `left_out`: rows of the file that the batches lack, in order, `label`: the column
+    of the labels of trajectories."""
 
     path: Path
     decimal: str
     time: str
     stamped: bool
     text: tuple[str, ...]
+    names: tuple[str, ...]
     rows: int
     line: int
     left_out: Sequence[int] = ()
     label: str = ""
     unread: int = 0
+
+    def up_to_another_header(self, batch: pa.RecordBatch) -> tuple[pa.RecordBatch, str]:
+        """Return a batch up to a header that names its columns in another order, and in words which that is, empty
+        where none does: a logger that was restarted appends one."""
+        for index in _places(self._headers(batch)):
+            row = {name: str(batch.column(name)[index]).strip() for name in batch.schema.names}
+            other = next(((name, cell) for name, cell in row.items() if name != cell), None)
+            if other is not None:
+                return batch.slice(0, index), (
+                    f"{self.path}: row {self._row(self.rows + index)} names the columns anew, in another order: "
+                    f"'{other[1]}' where '{other[0]}' was. What comes before it was read; write what follows into a "
+                    "log of its own"
+                )
+        return batch, ""
+
+    def _headers(self, batch: pa.RecordBatch) -> pa.Array:
+        """Return which rows hold names of columns alone, as the header does."""
+        known, found = pa.array(self.names), None
+        for name in batch.schema.names:
+            named = compute.is_in(compute.utf8_trim_whitespace(batch.column(name)), known)
+            found = named if found is None else compute.and_(found, named)
+        return found
 
     def numbers(self, batch: pa.RecordBatch) -> tuple[pa.Table, tuple[int, str]]:
         """Return a batch with null in place of what is no number, rows whose time is none left out, and how many rows
@@ -48,6 +72,8 @@ class Cells:
         ------
         InputError : naming row and column where more than :data:`MOST` of the rows so far are.
         """
+        # The header once more says nothing.
+        header = self._headers(batch)
         columns, wrong = {}, {}
         for name in batch.schema.names:
             given = batch.column(name)
@@ -55,13 +81,13 @@ class Cells:
                 columns[name] = given
                 continue
             sound = self._sound(name, given)
-            wrong[name] = compute.and_(compute.is_valid(given), compute.invert(sound))
+            wrong[name] = compute.and_not(compute.and_not(compute.is_valid(given), sound), header)
             kept = compute.if_else(sound, self._plain(name, given), pa.scalar(None, pa.string()))
             columns[name] = kept if self._is_time(name) else kept.cast(pa.float64())
         begin, self.rows = self.rows, self.rows + batch.num_rows
         concerned = [index for mask in wrong.values() for index in _places(mask)]
         if not concerned:
-            return pa.table(columns), (0, "")
+            return pa.table(columns).filter(compute.invert(header)), (0, "")
         first = min(concerned)
         column = next(name for name, mask in wrong.items() if mask[first].as_py())
         self.unread += len(set(concerned))
@@ -73,7 +99,7 @@ class Cells:
                 f" rows){_NUMBERED if column == self.label else ''}"
             )
         table = pa.table(columns)
-        return table.filter(compute.invert(wrong[self.time])), (len(set(concerned)), told)
+        return table.filter(compute.invert(compute.or_(wrong[self.time], header))), (len(set(concerned)), told)
 
     def _row(self, index: int) -> int:
         """Return the row of the file, from 1, of the row `index` of all batches."""

@@ -113,10 +113,14 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         torn, stamped = _TornRow(path, head.encoding), types[time] == pa.string()
         words = tuple(columns.get("program", ()))
         label = columns.get("trajectory", [""])[0]
-        cells = Cells(path, head.decimal, time, stamped, words, done, head.skip, torn.rows, label)
-        for batch in _rest(_batches(path, head, dict.fromkeys(types, pa.string()), rows, torn), done):
+        names = tuple(head.names)
+        cells = Cells(path, head.decimal, time, stamped, words, names, done, head.skip, torn.rows, label)
+        for whole in _rest(_batches(path, head, dict.fromkeys(types, pa.string()), rows, torn), done):
+            batch, ended = cells.up_to_another_header(whole)
             table, unread = cells.numbers(batch)
             yield replace(chunk_of(path, table, columns, layout, local, head.units), unread=unread)
+            if ended:
+                raise InputError(ended)
         torn.check()
     except (pa.ArrowException, OSError) as error:
         if torn.fault:
@@ -236,6 +240,8 @@ def _head(path: Path, layout: Layout) -> Head:
     except csv.Error as error:
         raise InputError(f"{path}: cannot be read as CSV ({error})") from None
     skip, units = place + 1, {}  # role -> unit, or the units of its columns
+    while rows and [cell.strip() for cell in rows[0]] == names:
+        skip, rows = skip + 1, rows[1:]
     if rows and len(rows[0]) == len(names) and not any(_is_value(cell) for cell in rows[0]):
         cells = dict(zip(names, (cell.strip().strip("[]() ") for cell in rows[0]), strict=True))
         for role, columns in find_columns(path, names, layout).items():
