@@ -10,7 +10,7 @@ from monitor_logs import START, columns, layout, make_log, write_bag, write_csv,
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of, read_log
 from jointwear.measurement.formats.chunk import make_chunk
-from jointwear.measurement.units import converted
+from jointwear.measurement.units import converted, size_of, spelled
 
 
 def whole(path, rows=100_000, **entry):
@@ -186,6 +186,54 @@ def test_temperature_of_the_arm_and_labels(tmp_path, log):
 )
 def test_units_of_torque_by_other_names(unit, factor):
     np.testing.assert_allclose(converted(np.ones(1), "torque", unit, "log"), factor)
+
+
+@pytest.mark.parametrize(
+    ("role", "unit", "factor"),
+    [
+        ("position", "mrad", 1e-3),
+        ("position", "mdeg", np.pi / 180e3),
+        ("position", "gon", np.pi / 200),
+        ("velocity", "mrad/s", 1e-3),
+        ("velocity", "deg s^-1", np.pi / 180),
+        ("acceleration", "deg/s²", np.pi / 180),
+        ("torque", "cNm", 1e-2),
+        ("torque", "µNm", 1e-6),
+        ("torque", "MN m", 1e6),
+        ("torque", "daN m", 10.0),
+        ("torque", "1e-3 N m", 1e-3),
+        ("torque", "kg m2 s-2", 1.0),
+        ("torque", "kg*m^2/s^2", 1.0),
+        ("torque", "oz-in", 0.0070615518),
+        ("torque", "ozf in", 0.0070615518),
+        ("time", "0.1 s", 0.1),
+    ],
+)
+def test_units_that_are_products_of_units_with_prefixes(role, unit, factor):
+    np.testing.assert_allclose(converted(np.ones(1), role, unit, "log"), factor)
+    np.testing.assert_allclose(size_of(role, spelled(role, unit)), factor)
+
+
+@pytest.mark.parametrize(
+    ("role", "unit"),
+    [
+        ("position", "mRad"),
+        ("position", "milliradian"),
+        ("velocity", "rad/s^2"),
+        ("torque", "1e-3Nm"),
+        ("torque", "uA"),
+        ("torque", "Nm/A"),
+        ("temperature", "0.1 degC"),
+    ],
+)
+def test_no_unit_is_suggested_that_differs_by_a_factor(role, unit):
+    with pytest.raises(InputError, match=r"is not known \(allowed"):
+        converted(np.ones(1), role, unit, "log")
+
+
+def test_the_german_word_for_a_degree_asks():
+    with pytest.raises(InputError, match="write 'deg' for degrees, 'gon' for hundredths of a right angle"):
+        converted(np.ones(1), "position", "grad", "log")
 
 
 @pytest.mark.parametrize(

@@ -157,7 +157,8 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
 def _passed(robot: Robot, unit: str, restrictions: Sequence[str]) -> Iterator[str]:
     """Yield in words what was checked of a recording, with positions in `unit`, that is not refused."""
     yield f"{robot.joints} joints, as the robot"
-    yield f"positions are in {POSITION_WORDS[spelled('position', unit)]}"
+    read_as = spelled("position", unit)
+    yield f"positions are in {POSITION_WORDS.get(read_as, read_as)}"
     if UNASKED not in restrictions:
         sign = "" if any(line.startswith(IN_DOUBT) for line in restrictions) else "sign, "
         yield f"no other {sign}order or side of the axes, nor a zero a quarter turn off, fits the model clearly better"

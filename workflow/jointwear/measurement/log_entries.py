@@ -11,7 +11,7 @@ from typing import Any
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.wording import count
 from jointwear.measurement.log_kinds import log_format
-from jointwear.measurement.units import CURRENTS, ROLES, SHARES, SPELLINGS, UNITS
+from jointwear.measurement.units import CURRENTS, ROLES, SHARES, UNITS, is_known, meant_unit, spelled
 
 #: Keys that may hold one number for each joint.
 PER_JOINT = ("torque_constant", "scale", "sign")
@@ -84,9 +84,9 @@ def _check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
             )
     for role, unit in (entry.get("units") or {}).items():
         known = [*UNITS[role], *((*CURRENTS, *SHARES) if role == "torque" else ())]
-        plain = str(unit).split(" since ")[0].strip() if role == "time" else str(unit).strip()
-        if role != "trajectory" and SPELLINGS.get(plain, plain) not in known:
-            near = nearest(plain, known, {word: meant for word, meant in SPELLINGS.items() if meant in known and word})
+        plain = spelled(role, unit)
+        if role != "trajectory" and plain not in known and not is_known(role, plain):
+            near = meant_unit(role, plain)
             raise InputError(
                 f"config: '{where}.units.{role}' is {shown(str(unit))}{near} (allowed: {', '.join(known)})"
             )

@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.timestamps import LATEST
-from jointwear.measurement.units import sizes_of
+from jointwear.measurement.units import size_of, sizes_of
 
 #: Sizes beyond which a number is none that an arm can have.
 ABSURD = {"position": 1e6, "velocity": 1e5, "acceleration": 1e8, "torque": 1e8, "temperature": 1e4}
@@ -91,7 +91,7 @@ def likely_unit(step: float | None, stated: str = "s") -> str:
     step : [s] as read in the unit `stated`, None where it is not known.
     """
     sizes = sizes_of("time")
-    counted = None if step is None else step / sizes.get(stated, 1.0)
+    counted = None if step is None else step / size_of("time", stated)
     # Spreadsheets count days.
     for unit in ("s", "ms", "us", "ns", "d", "h", "min"):
         if unit != stated and counted is not None and USUAL[0] <= counted * sizes[unit] <= USUAL[1]:

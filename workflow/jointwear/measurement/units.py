@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from typing import TYPE_CHECKING
 
-from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.errors import LONGEST_VALUE, InputError, shown
+from jointwear.measurement.unit_terms import other_size, size_of_terms
 
 if TYPE_CHECKING:
     import numpy as np  # read at every call of Snakemake: nothing heavy is imported
@@ -87,13 +89,46 @@ def sizes_of(role: str) -> dict[str, float]:
     return {unit: size for unit, (size, _) in UNITS[role].items()}
 
 
+#: What the German word for a degree means: elsewhere, and in its own field, it is a hundredth of a right angle.
+_DEGREE_OR_GON = ("grad", "grads", "grade")
+
+
+def size_of(role: str, unit: str) -> float:
+    """Return the size of a unit of a role in the project's, 1 where it is not known."""
+    known = UNITS[role].get(unit)
+    return known[0] if known else size_of_terms(role, unit) or 1.0
+
+
 def spelled(role: str, unit: str) -> str:
-    """Return a unit of a role as :data:`UNITS` spells it, where it is known."""
+    """Return a unit of a role as :data:`UNITS` spells it, where it is known under any name; others as they are."""
     plain = str(unit).strip()
     if role == "time":
         # The length counts here; a date that the time counts from is the reader's matter.
         plain = plain.split(" since ")[0].strip()
-    return SPELLINGS.get(plain, plain)
+    plain = SPELLINGS.get(plain, plain)
+    if plain in UNITS[role] or (size := size_of_terms(role, plain)) is None:
+        return plain
+    return next((name for name, (own, _) in UNITS[role].items() if math.isclose(own, size, rel_tol=1e-9)), plain)
+
+
+def is_known(role: str, unit: str) -> bool:
+    """Return whether a unit of a role, as it is :func:`spelled`, can be read."""
+    return unit in UNITS[role] or size_of_terms(role, unit) is not None
+
+
+def meant_unit(role: str, unit: str) -> str:
+    """Return a hint what was meant by a unit that is not known, or an empty string; none is told that differs from what
+    is written by a factor."""
+    plain, known = str(unit).strip(), [*UNITS[role], *((*CURRENTS, *SHARES) if role == "torque" else ())]
+    head, _, rest = plain.partition("/")
+    if head.strip().lower() in _DEGREE_OR_GON and role in ("position", "velocity", "acceleration"):
+        behind = f"/{rest}" if rest else ""
+        return f"; write 'deg{behind}' for degrees, 'gon{behind}' for hundredths of a right angle"
+    # What is near a unit of torque by its letters alone is no current.
+    currents = () if plain.lower().endswith(("a", "amp", "amps", "ampere", "amperes")) else CURRENTS
+    named = {word: meant for word, meant in SPELLINGS.items() if word and meant in known}
+    close = difflib.get_close_matches(plain[:LONGEST_VALUE], [w for w in (*known, *named) if w not in currents], 1, 0.5)
+    return f"; did you mean '{named.get(close[0], close[0])}'?" if close and not other_size(plain, close[0]) else ""
 
 
 def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.ndarray:
@@ -109,14 +144,13 @@ def converted(values: np.ndarray, role: str, unit: str | None, name: str) -> np.
     """
     if unit is None:
         return values
-    known = UNITS[role]
     plain = spelled(role, unit)
-    if plain not in known:
+    if not is_known(role, plain):
         if role == "trajectory":
             return values  # labels, whatever they are said to be
-        near = nearest(plain, known, {word: meant for word, meant in SPELLINGS.items() if meant in known and word})
         raise InputError(
-            f"data set '{name}': unit {shown(str(unit))} of {role} is not known{near} (allowed: {', '.join(known)})"
+            f"data set '{name}': unit {shown(str(unit))} of {role} is not known{meant_unit(role, plain)} (allowed: "
+            f"{', '.join(UNITS[role])})"
         )
-    factor, offset = known[plain]
+    factor, offset = UNITS[role].get(plain) or (size_of(role, plain), 0.0)
     return values if (factor, offset) == (1.0, 0.0) else values * factor + offset

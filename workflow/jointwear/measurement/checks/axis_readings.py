@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.files.wording import listed, numbered
 from jointwear.measurement.stated import Stated
-from jointwear.measurement.units import POSITION_WORDS, sizes_of
+from jointwear.measurement.units import POSITION_WORDS, size_of, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.inertia import bodies, inertial_regressor, prior_factor, to_joint_frame
@@ -118,7 +118,7 @@ class Reading:
         """Return the unit of the positions of a joint that is read in another "unit"; empty where none is of that
         size."""
         sizes = sizes_of("position")
-        size = sizes.get(stated.units.get("position") or "rad", 1.0) * self.factors[0]
+        size = size_of("position", stated.units.get("position") or "rad") * self.factors[0]
         return next((unit for unit, known in sizes.items() if math.isclose(size, known, rel_tol=1e-6)), "")
 
     @property

@@ -10,7 +10,7 @@ from jointwear.files.wording import count
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.turns import turns_on
-from jointwear.measurement.units import POSITION_WORDS, sizes_of
+from jointwear.measurement.units import POSITION_WORDS, size_of, sizes_of
 from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
 
@@ -137,7 +137,7 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
             few = inside.sum() > over.sum()
             alone = f"; where the other joints are right, write joint {axis + 1} in their unit" if few else ""
             motors = _of_motors(largest, reach, robot) if stated == "rad" else ""
-            read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS[stated]}"
+            read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS.get(stated, stated)}"
             raise Refused(
                 f"data set '{recording.name}': positions of joint {axis + 1} reach {largest[axis]:.4g}{read}, its "
                 f"limits are {robot.lower[axis]:.3g} to {robot.upper[axis]:.3g} rad; they look like "
@@ -164,7 +164,7 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
 
 def _smaller_units(stated: str) -> Iterator[tuple[str, float]]:
     """Yield the units of positions that are smaller than the stated one, the largest first, and their shares of it."""
-    sizes = sizes_of("position")
+    sizes, own = sizes_of("position"), size_of("position", stated)
     for unit in sorted(sizes, key=sizes.__getitem__, reverse=True):
-        if sizes[unit] < sizes.get(stated, 1.0):
-            yield unit, sizes[unit] / sizes.get(stated, 1.0)
+        if sizes[unit] < own:
+            yield unit, sizes[unit] / own

@@ -14,7 +14,7 @@ from jointwear.measurement.possible import likely_unit
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.turns import unwrapped
-from jointwear.measurement.units import POSITION_WORDS, sizes_of
+from jointwear.measurement.units import POSITION_WORDS, size_of, sizes_of
 
 #: Ratios of a derivative to what the positions say that count as right: filters take a part off fast motion.
 LOWEST, HIGHEST = 0.8, 1.25
@@ -137,6 +137,6 @@ def _other_position(ratio: float, stated: str) -> tuple[str, str] | None:
     """Return in words the unit of the positions that a ratio stands for, and the remedy; None where it is none."""
     sizes = sizes_of("position")
     for unit, size in sizes.items():
-        if unit != stated and LOWEST < ratio * sizes.get(stated, 1.0) / size < HIGHEST:
+        if unit != stated and LOWEST < ratio * size_of("position", stated) / size < HIGHEST:
             return f"; the positions look like {POSITION_WORDS[unit]}", f"state units: {{position: {unit}}}"
     return None

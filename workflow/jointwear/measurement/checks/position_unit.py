@@ -8,7 +8,7 @@ from jointwear.measurement.checks.axes_check import explained
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
 from jointwear.measurement.turns import turns_on
-from jointwear.measurement.units import POSITION_WORDS, sizes_of
+from jointwear.measurement.units import POSITION_WORDS, size_of, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -75,7 +75,7 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
     as_stated: np.ndarray | None = None
     found: list[tuple[float, str, float]] = []
     for unit, size in sizes.items():
-        factor = size / sizes[stated]
+        factor = size / size_of("position", stated)
         if unit == stated or np.any(factor * largest > reach):
             continue
         as_stated = left_as_read(measured, robot) if as_stated is None else as_stated
@@ -91,7 +91,7 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
 
 def refusal_of(name: str, unit: str, stated: str) -> Refused:
     """Return the refusal of positions that look like `unit` and are stated, or read, as `stated`."""
-    looks, read = POSITION_WORDS[unit], POSITION_WORDS[stated]
+    looks, read = POSITION_WORDS[unit], POSITION_WORDS.get(stated, stated)
     return Refused(
         f"{name}: read as {looks} the positions fit the torque, read as {read} they do not; they look like {looks}",
         f"state units: {{position: {unit}}}",

@@ -13,7 +13,7 @@ from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.stated import Stated
-from jointwear.measurement.units import CURRENTS, sizes_of
+from jointwear.measurement.units import CURRENTS, size_of, sizes_of
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot
@@ -375,7 +375,7 @@ def _other_units(stated: str) -> Iterator[tuple[str, float]]:
     known = sizes_of("torque") | CURRENTS
     for unit in CURRENTS if stated in CURRENTS else LIKELY:
         if unit != stated:
-            yield unit, known.get(stated, 1.0) / known[unit]
+            yield unit, (CURRENTS.get(stated) or size_of("torque", stated)) / known[unit]
 
 
 def _of_most(

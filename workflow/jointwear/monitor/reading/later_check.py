@@ -38,7 +38,7 @@ from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
-from jointwear.measurement.units import sizes_of
+from jointwear.measurement.units import is_known, size_of, sizes_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
 from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
@@ -197,7 +197,7 @@ class LaterCheck:
         Refused : with the unit that they look like.
         """
         unit = chunk.units.get("position") or "rad"
-        slower = sizes_of("position").get(unit, 1.0)
+        slower = size_of("position", unit)
         if slower < 1.0:
             slow = busiest_piece(chunk, stretch, motion, slower * self._dead_band)
             check_position_unit(thinned(slow), self._dynamics.robot, self._name, unit)
@@ -307,8 +307,8 @@ class LaterCheck:
         if plain - self._left_over(parts, usable, scale) <= WORSE:
             return
         self._scale = scale
-        sizes = sizes_of("torque")
-        units = [u for u, x in sizes.items() if stated in sizes and np.isclose(sizes[stated] / x, 10.0**decade)]
+        size = size_of("torque", stated) if is_known("torque", stated) else np.nan
+        units = [u for u, x in sizes_of("torque").items() if np.isclose(size / x, 10.0**decade)]
         looks = f"it looks like {units[0]}, read as {stated}" if units else "it looks like another unit"
         self._refusal = Refused(
             f"{self._name}: the torques of all joints are about {significant(10.0**decade)} times those of the first "

@@ -62,8 +62,10 @@ def replayed_words(log: str, other: str, apart: float) -> str:
     """Return in words that a log holds the torques of another one; `apart`: by how many seconds later, NaN without
     dates."""
     hours = abs(apart) / 3600
-    when = "" if not np.isfinite(apart) else f", {hours / 24:.0f} days later" if hours >= 48 else f", {hours:.3g} h later"
+    when = (
+        "" if not np.isfinite(apart) else f", {hours / 24:.0f} days later" if hours >= 48 else f", {hours:.3g} h later"
+    )
     return (
-        f"{log}: holds the torques of {other} to the last sample under other times{when}, which two measurements never "
-        "do; was it replayed, or exported again with other dates? Leave it out, or write what was measured"
+        f"{log}: holds the torques of {other} to the last sample under other times{when}, which two measurements "
+        "never do; was it replayed, or exported again with other dates? Leave it out, or write what was measured"
     )
