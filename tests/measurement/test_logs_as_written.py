@@ -83,9 +83,15 @@ def test_logs_that_a_logger_packs(tmp_path, name):
     chunks = list(read_log(path, layout_of({}, ["joint_1"]), rows=1000))
     assert sum(len(c.time) for c in chunks) == 5000
     # The file itself was cut: what comes before counts, and the reason is told.
-    path.write_bytes(gzip.compress(text)[:-9])
-    with pytest.raises(InputError, match="cannot be read as CSV"):
-        list(read_log(path, layout_of({}, ["joint_1"]), rows=1000))
+    packed = gzip.compress(text)
+    for damaged, rows in ((packed[:-9], 4900), (packed[: len(packed) // 2], 2000)):
+        path.write_bytes(damaged)
+        found = []
+        with pytest.raises(InputError, match="its packing was cut or is damaged"):
+            found.extend(read_log(path, layout_of({}, ["joint_1"]), rows=100_000))
+        torque = np.concatenate([c.torque[:, 0] for c in found])
+        assert np.array_equal(torque, np.arange(float(len(torque))))
+        assert len(torque) > rows
     path.write_bytes(b"no gzip at all")
     with pytest.raises(InputError, match="cannot be read"):
         one(path)

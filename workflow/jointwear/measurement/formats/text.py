@@ -7,14 +7,11 @@ files that a logger packs by gzip, if their name ends with .gz: they are unpacke
 from __future__ import annotations
 
 import csv
-import gzip
 import re
-import zlib
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import BinaryIO, cast
 
 import pyarrow as pa
 from pyarrow import csv as arrow_csv
@@ -27,6 +24,7 @@ from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count,
 from jointwear.measurement.formats.first_bytes import check_kind
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
+from jointwear.measurement.formats.unpacked import is_broken, is_packed, open_text
 from jointwear.measurement.units import UNITS, spelled
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
@@ -135,26 +133,32 @@ def _batches(
     path: Path, head: Head, types: dict[str, pa.DataType], rows: int, torn: _TornRow
 ) -> Iterator[pa.RecordBatch]:
     """Yield the columns of `types` as these, about `rows` rows at a time."""
-    with arrow_csv.open_csv(
-        # By the name alone pyarrow would take .GZ for text.
-        pa.input_stream(str(path), compression="gzip" if _packed(path) else None),
-        read_options=arrow_csv.ReadOptions(
-            use_threads=False,
-            block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(head.names)),
-            column_names=head.names,
-            skip_rows=head.skip,
-            encoding=head.encoding,
-        ),
-        parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=torn),
-        convert_options=arrow_csv.ConvertOptions(
-            column_types=types,
-            include_columns=list(types),
-            null_values=[*_MISSING, *_ALSO_MISSING],
-            strings_can_be_null=True,
-            decimal_point=head.decimal,
-        ),
-    ) as reader:
+    # pyarrow would lose the whole block in which a packed file was cut.
+    file = open_text(path) if is_packed(path) else pa.input_stream(str(path), compression=None)
+    with (
+        file,
+        arrow_csv.open_csv(
+            file,
+            read_options=arrow_csv.ReadOptions(
+                use_threads=False,
+                block_size=max(1 << 16, rows * _BYTES_A_NUMBER * len(head.names)),
+                column_names=head.names,
+                skip_rows=head.skip,
+                encoding=head.encoding,
+            ),
+            parse_options=arrow_csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=torn),
+            convert_options=arrow_csv.ConvertOptions(
+                column_types=types,
+                include_columns=list(types),
+                null_values=[*_MISSING, *_ALSO_MISSING],
+                strings_can_be_null=True,
+                decimal_point=head.decimal,
+            ),
+        ) as reader,
+    ):
         yield from reader
+        if is_broken(file):
+            raise OSError("its packing was cut or is damaged; what could be unpacked was read")
 
 
 def _rest(batches: Iterator[pa.RecordBatch], done: int) -> Iterator[pa.RecordBatch]:
@@ -200,20 +204,10 @@ class _TornRow:
         return None if end.endswith("\n") else end.rpartition("\n")[2]
 
 
-def _packed(path: Path) -> bool:
-    """Return whether a log is packed by gzip, by its name."""
-    return path.suffix.lower() == ".gz"
-
-
-def _open(path: Path) -> BinaryIO:
-    """Open a log for reading its text."""
-    return cast(BinaryIO, gzip.open(path, "rb")) if _packed(path) else path.open("rb")
-
-
 def _last_bytes(path: Path) -> bytes:
     """Return the last :data:`_LAST` bytes of the text of a log; a packed one is read through for them."""
-    with _open(path) as file:
-        if not _packed(path):
+    with open_text(path) as file:
+        if not is_packed(path):
             file.seek(max(0, path.stat().st_size - _LAST))
             return file.read()
         end = b""
@@ -281,13 +275,11 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
     """Return the first lines and the encoding: UTF-8, or the code page that Western Windows writes."""
     raw: list[bytes] = []
     try:
-        with _open(path) as file:
+        with open_text(path) as file:
             for _ in range(_LOOK):
                 raw.append(file.readline(1 << 20))
-    except (EOFError, zlib.error):
-        # A packed log that was cut: what its first lines tell may be enough to read what is there.
-        if not raw:
-            raise InputError(f"{path}: cannot be unpacked (it was cut or damaged)") from None
+            if is_broken(file) and not any(raw):
+                raise InputError(f"{path}: cannot be read (it is not packed by gzip, or was cut or damaged)")
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     whole = b"".join(raw)
