@@ -19,6 +19,7 @@ from jointwear.discovery.search.acceptance import of_timing, predictive
 from jointwear.discovery.search.changing_size import changing
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.drives_at_rest import at_rest
+from jointwear.discovery.search.early_torque import EARLY, early
 from jointwear.discovery.search.explained import explained, explained_elsewhere
 from jointwear.discovery.search.in_its_place import better_in_its_place
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
@@ -248,7 +249,8 @@ def stand_alone(outcome: Outcome) -> None:
     changes over time (:func:`.changing_size.changing`).
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
     axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
-    axes in the model, and no other joint lacks the same; one of timing has to be most of it too.
+    axes in the model, and no other joint lacks the same; one of timing has to be most of it too, and a torque that is
+    early (:func:`.early_torque.early`) stands beside no structure.
     An effect of the whole arm is asked where half of the axes that it moves stay unexplained. Changes `outcome`.
     """
     kept: list[Named] = []
@@ -272,6 +274,9 @@ def stand_alone(outcome: Outcome) -> None:
         axes = left_open(outcome, one)
         if not axes:
             kept.append(one)
+            continue
+        if early(outcome, one):
+            outcome.suspects.append((one, EARLY))
             continue
         where = numbered("joint", [a + 1 for a in axes])
         most = max((u for u in outcome.unexplained if u.axis in axes), key=lambda u: u.nats)
