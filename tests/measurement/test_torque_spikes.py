@@ -77,6 +77,17 @@ def test_what_an_arm_does_is_no_spike(rate, noise, pulse):
     assert not found(Recording(time, np.zeros(len(time), int), pushed * 0, pushed)).any()
 
 
+@pytest.mark.parametrize("rate", [12.5, 20.0, 25.0, 30.0])
+def test_a_sample_of_a_slow_log_that_is_far_beyond_all_others_is_found(rate):
+    """Below 40 Hz an acceleration may be as short: nothing was asked, and three spikes cost half of a log."""
+    whole = moves(seconds=60.0, rate=rate)
+    span = float(np.ptp(whole.torque[:, 1]))
+    assert list(np.argwhere(found(with_torque(whole, [200, 400], 1, 4 * span)))[:, 0]) == [200, 400]
+    # What is short and no larger may be the one hard stop of a log.
+    assert not found(with_torque(whole, [200], 1, 1.2 * span)).any()
+    assert not found(whole).any()
+
+
 def test_a_step_that_stays_and_many_at_once_are_a_signal():
     whole = moves()
     assert not found(with_torque(whole, slice(1000, None), 0, 500.0)).any()

@@ -21,6 +21,10 @@ S = TypeVar("S", Recording, Chunk)
 #: Samples of a spike, at most, and the longest time [s] from the sample before it to the one behind: an acceleration of
 #: an arm takes longer.
 SAMPLES, LONGEST = 3, 0.05
+#: Longest step of time [s] of logs in which single samples are asked for though an acceleration may be as short: such
+#: a sample differs from those beside it by this multiple of the range of all others, which is that of an arm at work,
+#: this multiple of the usual change from sample to sample: that of noise at rest is 8.
+SLOWEST, BEYOND, AT_WORK = 0.1, 2.0, 20.0
 #: Share of the samples that are spikes, at most: more of them are a signal.
 FEW = 0.02
 
@@ -29,6 +33,8 @@ def spikes(time: np.ndarray, trajectory: np.ndarray, torque: np.ndarray) -> np.n
     """Return which torques are none of the arm, (m, n) bool: those that differ from the torques beside them by more
     than the whole range of all other torques of their joint.
 
+    In logs too slow to show that a spike is shorter than an acceleration, one sample that differs by twice that range.
+
     Parameters
     ----------
     time : (m,) [s]. trajectory : (m,) labels. torque : (m, n) [N m]; NaN where it is missing.
@@ -36,6 +42,7 @@ def spikes(time: np.ndarray, trajectory: np.ndarray, torque: np.ndarray) -> np.n
     found = np.zeros(torque.shape, bool)
     pieces = pieces_of(time, trajectory)
     label = np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
+    slow = _is_slow(time, label)
     for j, values in enumerate(torque.T):
         known = np.isfinite(values)
         if not _may_hold_any(values[known], label[known]):
@@ -44,8 +51,27 @@ def spikes(time: np.ndarray, trajectory: np.ndarray, torque: np.ndarray) -> np.n
         for piece in pieces:
             rows = piece.start + np.flatnonzero(known[piece])
             apart[rows] = _from_neighbours(time[rows], values[rows])
-        found[:, j] = _beyond_all_others(apart, values)
+        beyond = BEYOND if slow else 1.0
+        away = _beyond_all_others(apart / beyond, values)
+        found[:, j] = away & (not slow or _at_work(values[known & ~away], label[known & ~away]))
     return found
+
+
+def _is_slow(time: np.ndarray, label: np.ndarray) -> bool:
+    """Return whether the usual step of times (m,) [s] in pieces `label` (m,) is too long for one sample between two."""
+    steps = np.diff(time)[label[1:] == label[:-1]]
+    return len(steps) > 0 and _samples(float(np.median(steps))) < 1
+
+
+def _samples(step: float) -> int:
+    """Return how many samples at steps [s] are shorter than an acceleration, at most those of a spike."""
+    return min(int(LONGEST / max(step, 1e-9)) - 1, SAMPLES)
+
+
+def _at_work(values: np.ndarray, label: np.ndarray) -> bool:
+    """Return whether the range of values (k,) is more than that of noise at rest; `label` (k,) of pieces."""
+    steps = np.abs(np.diff(values))[label[1:] == label[:-1]]
+    return len(steps) > 0 and float(np.ptp(values)) > AT_WORK * float(np.median(steps))
 
 
 def _may_hold_any(values: np.ndarray, label: np.ndarray) -> bool:
@@ -66,9 +92,10 @@ def _from_neighbours(time: np.ndarray, values: np.ndarray) -> np.ndarray:
         return np.zeros(len(values))
     steps = np.diff(time, prepend=time[0])
     # As many samples as may be a spike, with one on either side, within the longest time.
-    many = min(int(LONGEST / max(float(np.median(steps)), 1e-9)) - 1, SAMPLES)
-    if many < 1:
+    step = float(np.median(steps))
+    if step > SLOWEST:
         return np.zeros(len(values))
+    many = max(_samples(step), 1)
     return np.abs(values - median_filter(values, 2 * many + 1, mode="reflect"))
 
 
