@@ -10,7 +10,7 @@ from pyarrow import parquet
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.formats import read_log
-from jointwear.measurement.possible import check_clock
+from jointwear.measurement.possible import check_clock, without_sentinels
 from jointwear.measurement.recording_files import load_recording
 from jointwear.robots.robot import load_robot
 
@@ -73,6 +73,26 @@ def test_a_mark_for_a_missing_value_that_lies_among_its_neighbours_is_a_value(tm
         found = read(tmp_path / "log.csv")
         assert np.flatnonzero(np.isnan(found.torque[:, 1])).tolist() == sorted([20, 40, *range(row - 3, row + 3)])
         assert found.missing == {"torque": (-9999.0, -999.0)}
+
+
+@pytest.mark.parametrize("mark", [32767.0, 65535.0])
+def test_the_largest_number_of_16_bits_is_a_mark_where_it_stands_alone(tmp_path, table, mark):
+    table["torque_2"][[20, 40]] = mark
+    write_csv(tmp_path / "log.csv", table)
+    for read in (recording, chunk):
+        found = read(tmp_path / "log.csv")
+        assert np.flatnonzero(np.isnan(found.torque[:, 1])).tolist() == [20, 40]
+        assert found.missing == {"torque": (mark,)}
+
+
+def test_the_largest_number_of_16_bits_is_a_value_where_others_lie_beside_or_beyond_it():
+    time = np.arange(400)
+    # A torque in counts that is cut off there, one that goes on, and a mark beside a count that goes through it.
+    cut = np.minimum(60000 * np.sin(0.02 * time), 32767.0).round()
+    beyond = (90000 * np.sin(0.02 * time)).round()
+    beyond[[10, 60]] = 32767.0
+    for values in (cut, beyond):
+        assert without_sentinels(values) == (pytest.approx(values), ())
 
 
 def test_what_was_read_as_missing_is_told(tmp_path):

@@ -35,6 +35,9 @@ def possible(values: np.ndarray, role: str) -> np.ndarray:
 
 #: Numbers that loggers write where they know none.
 SENTINELS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0, -32768.0)
+#: Largest numbers of 16 bits, signed or not, which stand for none too where no value lies beyond them and none beside
+#: them: a torque that is cut off there rises up to it, and counts go on in it.
+LARGEST_OF_BITS = (32767.0, 65535.0)
 
 
 #: Quantile of the changes from sample to sample by which such a number may lie from those before and after and still be
@@ -47,16 +50,24 @@ def without_sentinels(array: np.ndarray) -> tuple[np.ndarray, tuple[float, ...]]
     which numbers these are.
 
     One that lies among the values before and after is a value as they are, as -999 N m of a heavy arm, unless it recurs
-    more often than any other number of its column.
+    more often than any other number of its column. The largest number of 16 bits is a value beside its like however often
+    it recurs, and wherever others lie beyond it.
     """
-    marks = np.isin(array, SENTINELS)
+    marks = np.isin(array, (*SENTINELS, *LARGEST_OF_BITS))
     if not marks.any():
         return array, ()
     missing, columns = marks.reshape(len(array), -1), array.reshape(len(array), -1)
     for j in np.flatnonzero(missing.any(axis=0)):
+        missing[:, j] &= ~_below_others(columns[:, j], missing[:, j])
         missing[:, j] &= ~_among_others(columns[:, j], missing[:, j])
     found = tuple(np.unique(array[marks]).tolist())
     return np.where(marks, np.nan, array), found
+
+
+def _below_others(values: np.ndarray, marks: np.ndarray) -> np.ndarray:
+    """Return which of the numbers `marks` (m,) are of :data:`LARGEST_OF_BITS` and no end of the values (m,)."""
+    largest = np.max(values, where=np.isfinite(values) & ~marks, initial=-np.inf)
+    return marks & np.isin(values, LARGEST_OF_BITS) & (values < largest)
 
 
 def _among_others(values: np.ndarray, marks: np.ndarray) -> np.ndarray:
@@ -74,7 +85,7 @@ def _among_others(values: np.ndarray, marks: np.ndarray) -> np.ndarray:
     if not near.any():
         return near
     commonest = np.unique(values[others], return_counts=True)[1].max()
-    for number in np.unique(values[near]):
+    for number in np.setdiff1d(values[near], LARGEST_OF_BITS):
         same = near & (values == number)
         if same.sum() > commonest:
             near &= ~same

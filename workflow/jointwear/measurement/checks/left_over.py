@@ -51,12 +51,9 @@ def left_in_words(measured: Measured, robot: Robot) -> list[str]:
     joints = most_left(left)
     if not joints:
         return []
-    return [
-        (
-            f"the robot file leaves {shares_in_words(left, joints, 'joint')} unexplained, whatever the size of friction: "
-            f"{CAUSES}; check it before what is found there is believed"
-        )
-    ]
+    shares = shares_in_words(left, joints, "joint")
+    told = f"the robot file leaves {shares} unexplained, whatever the size of friction"
+    return [f"{told}: {CAUSES}; check it before what is found there is believed"]
 
 
 def _of_noise(measured: Measured) -> np.ndarray:
