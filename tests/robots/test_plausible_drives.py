@@ -57,6 +57,10 @@ def payload_in_grams(data):
     data["payload"] = {"mass": 2000, "com": [0, 0, 0.1]}
 
 
+def rotor_of_neither_side(data):
+    data["joints"][1]["motor_inertia"] = 3000.0
+
+
 def inverse_gear(data):
     data["joints"][0]["gear_ratio"] = -1 / 62.5
 
@@ -73,6 +77,7 @@ WRONG = {
     payload_in_grams: r"'payload.mass' is 2000, in kg, on links of 23.45 kg together; this looks like g: 2 \(allowed",
     inverse_gear: r"'joints\[0\].gear_ratio' is -0.016, .* this looks like its inverse: -62.5 \(allowed",
     rotor_at_the_joint: r"'joints\[1\].motor_inertia' is 40, in kg m2 at the motor; .* whole arm has .*joint, at the",
+    rotor_of_neither_side: r"'joints\[1\].motor_inertia' is 3000, .* the whole arm has [\d.]+ \(allowed",
     friction_at_the_joint: r"'joints\[0\].coulomb.negative' is -20, .* like that of the joint, at the motor -0.319",
 }
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from jointwear.files.errors import InputError
+from jointwear.measurement.checks.model_size import unusual_parameters
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import (
     bodies,
@@ -102,3 +103,28 @@ def test_every_arm_of_the_package_is_written_as_meant(tmp_path):
         assert_written_as_meant(robot, tmp_path / "written.urdf", np.random.default_rng(len(done)))
         done.append(urdf.name)
     assert len(done) >= 10, done
+
+
+def test_angles_of_a_urdf_in_degrees_and_a_centre_of_mass_in_mm_are_told(tmp_path):
+    arm(tmp_path)
+    right = (tmp_path / "arm.urdf").read_text(encoding="utf-8")
+    for old, new, words in (
+        ('rpy="0.2 0 0.4"', 'rpy="0 90 0"', r"'rpy' of <origin> is '0 90 0', in rad; .* degrees: '0 1\.5708 0'"),
+        ('xyz="0.1 0.02 0.01"', 'xyz="0 0 28.0"', r"link 'upper': .* lies 28 m .* looks like mm"),
+    ):
+        (tmp_path / "arm.urdf").write_text(right.replace(old, new, 1), encoding="utf-8")
+        with pytest.raises(InputError, match=words):
+            load_robot(tmp_path / "arm.yaml")
+    (tmp_path / "arm.urdf").write_text(right.replace('rpy="0.2 0 0.4"', 'rpy="0 6.2832 -3.1416"', 1), encoding="utf-8")
+    load_robot(tmp_path / "arm.yaml")
+
+
+def test_a_link_that_moves_and_has_no_inertial_is_told(tmp_path):
+    robot = arm(tmp_path)
+    assert not unusual_parameters(robot)
+    text = (tmp_path / "arm.urdf").read_text(encoding="utf-8")
+    begin = text.index("<inertial>", text.index('<link name="upper">'))
+    end = text.index("</inertial>", begin) + len("</inertial>")
+    (tmp_path / "arm.urdf").write_text(text[:begin] + text[end:], encoding="utf-8")
+    (told,) = unusual_parameters(load_robot(tmp_path / "arm.yaml"))
+    assert "no mass for what joint 1 moves" in told

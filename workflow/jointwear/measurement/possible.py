@@ -50,8 +50,8 @@ def without_sentinels(array: np.ndarray) -> tuple[np.ndarray, tuple[float, ...]]
     which numbers these are.
 
     One that lies among the values before and after is a value as they are, as -999 N m of a heavy arm, unless it recurs
-    more often than any other number of its column. The largest number of 16 bits is a value beside its like however often
-    it recurs, and wherever others lie beyond it.
+    more often than any other number of its column. The largest number of 16 bits is a value beside its like,
+    however often it recurs, and wherever others lie beyond it.
     """
     marks = np.isin(array, (*SENTINELS, *LARGEST_OF_BITS))
     if not marks.any():

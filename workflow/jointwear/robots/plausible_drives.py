@@ -87,7 +87,8 @@ def check_drives(path: Any, data: Mapping[str, Any]) -> None:
         gear = abs(joint["gear_ratio"])
         rotor, most = joint["motor_inertia"], MOST_ROTOR * inertia / gear**2
         if rotor > most:
-            near = _at_motor(rotor / gear**2, most)
+            # At the joint a motor has up to about the inertia of the arm; more is that of neither side.
+            near = _at_motor(rotor / gear**2, inertia / gear**2)
             raise InputError(
                 f"{path}: 'joints[{i}].motor_inertia' is {rotor:g}, in kg m2 at the motor; behind a gear of {gear:g} "
                 f"that is {significant(rotor * gear**2)} kg m2, the whole arm has {significant(inertia)}{near} "

@@ -50,6 +50,11 @@ _NUMBERS = {
 }
 #: Largest size of them, as in the schema of the robot file; an effort or a limit may stand for "none".
 _LARGEST = {"origin": 100.0, "mass": 1e5, "inertia": 1e7, "dynamics": 1e7}
+#: Largest angle [rad] of an origin: one turn, with room for its rounding. Beyond, it is in degrees.
+FULL_TURN = 2 * math.pi + 0.01
+#: Largest distance [m] of a centre of mass from the frame of its link, as for a link by DH table
+#: (`robot_file.FARTHEST_MASS`), and multiple of the summed lengths of the joints up to which a larger arm has one.
+FARTHEST_MASS, TIMES_REACH = 20.0, 3.0
 _INERTIA = ("ixx", "iyy", "izz", "ixy", "iyz", "ixz")
 
 
@@ -95,6 +100,7 @@ def read_urdf_joints(path: Path, check_inertia: bool = True) -> list[dict[str, A
         _check_mass(path, name, element)
     joints = read_joints(path, root, links)
     chain = chain_of(path, links, joints)
+    _check_centres(path, links, chain)
     if len(chain) > MOST_JOINTS:
         raise InputError(f"{path}: has {len(chain)} moving joints (allowed: at most {MOST_JOINTS})")
     if check_inertia:
@@ -209,6 +215,12 @@ def _check_numbers(path: Path, root: ElementTree.Element) -> None:
                     # Pinocchio leaves out an inertia of which a number has a blank behind it.
                     trailing = element.tag not in ("mass", "inertia")
                     _number(path, where, word, _LARGEST.get(element.tag, LARGEST), trailing)
+                if key == "rpy" and max(abs(float(word)) for word in words) > FULL_TURN:
+                    radians = " ".join(f"{math.radians(float(word)):.6g}" for word in words)
+                    raise InputError(
+                        f"{path}: {where} is {shown(text)}, in rad; this looks like degrees: '{radians}' (allowed: "
+                        "up to 2 pi in size)"
+                    )
 
 
 def _links(path: Path, root: ElementTree.Element) -> dict[str, ElementTree.Element]:
@@ -242,6 +254,27 @@ def _check_mass(path: Path, name: str, link: ElementTree.Element) -> None:
     kilograms = _mass(link)
     if kilograms < 0:
         raise InputError(f"{path}: link '{name}' has a mass of {kilograms:g} kg (allowed: >= 0)")
+
+
+def _check_centres(path: Path, links: dict[str, ElementTree.Element], chain: list[Joint]) -> None:
+    """Check that no centre of mass lies farther from the frame of its link than an arm of such joints can have it."""
+    reach = sum(_distance(joint.element) for joint in chain)
+    farthest = max(TIMES_REACH * reach, FARTHEST_MASS)
+    for name, link in links.items():
+        inertial = link.find("inertial")
+        distance = 0.0 if inertial is None else _distance(inertial)
+        if distance > farthest:
+            raise InputError(
+                f"{path}: link '{name}': 'xyz' of <origin> of <inertial> lies {distance:.3g} m from the frame of the "
+                f"link, farther than an arm of {reach:.3g} m can have it; this looks like mm (allowed: up to "
+                f"{farthest:.3g} m)"
+            )
+
+
+def _distance(element: ElementTree.Element) -> float:
+    """Return the length [m] of the origin of a joint or an inertial, 0 where it has none."""
+    origin = element.find("origin")
+    return 0.0 if origin is None else math.hypot(*(float(x) for x in origin.get("xyz", "0 0 0").split()))
 
 
 def _mass(link: ElementTree.Element) -> float:

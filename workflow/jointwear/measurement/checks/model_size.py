@@ -9,6 +9,7 @@ from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import bodies
 from jointwear.robots.robot import Robot
 
 #: Error of the nominal model over the torque that was measured, RMS: of most joints and of a single one, from which
@@ -78,6 +79,13 @@ def unusual_parameters(robot: Robot) -> list[str]:
         found.append(
             f"the robot file has a gravity of {gravity:.4g} m/s2, on Earth it is 9.81: what is missing looks like a "
             "force or a spring"
+        )
+    # A DH table states a mass of 0, of a link without an effect on any torque; a URDF leaves one out.
+    light = [] if robot.links is not None else [j + 1 for j, body in enumerate(bodies(robot)) if not body[0] > 0]
+    if light:
+        found.append(
+            f"the URDF has no mass for what {numbered('joint', light)} {'moves' if len(light) == 1 else 'move'} before "
+            "the next joint: give the link its <inertial>, unless it stands for none"
         )
     ratio = np.abs(robot.gear_ratio)
     direct, geared = ratio == 1.0, ratio >= GEARED
