@@ -20,6 +20,7 @@ class Flag(IntFlag):
     CONTRADICTED = 512
     SATURATED = 1024
     LATER = 2048
+    SCATTERED = 4096
 
 
 #: Flags that keep a window (of that axis) from being judged, whatever its statistics are.
@@ -38,4 +39,5 @@ FLAG_WORDS = {
     Flag.CONTRADICTED: "the torque fits neither the model nor the first log: another unit or sign, or a fault",
     Flag.SATURATED: "the torque stays at a limit of its drive or sensor, left out there",
     Flag.LATER: "the torque turns later or earlier than in the first log, and is read at its time",
+    Flag.SCATTERED: "time stamps that scatter from sample to sample, so that speeds are wrong",
 }

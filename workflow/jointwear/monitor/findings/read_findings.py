@@ -11,10 +11,13 @@ from jointwear.effects import get_effect
 from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.normal.unsure import not_of_program
+from jointwear.monitor.reading.scattered_stamps import scattered_since
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
 
+#: Kind of logs whose time stamps scatter.
+SCATTERED = "scattered_stamps"
 #: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
 _READ = {
     "set_back": (
@@ -69,6 +72,14 @@ _READ = {
             "not look like viscous friction; what the filter takes from quick motion is not known."
         ),
     ),
+    SCATTERED: (
+        Flag.SCATTERED,
+        (
+            "The time stamps of the logs scatter from sample to sample, unlike in the normal period, so that speeds "
+            "and accelerations are wrong: what looks like play, a bearing, another speed or another zero may come of "
+            "it. Look at the clock of the logger first, and let the controller stamp the samples."
+        ),
+    ),
 }
 
 #: Kind of a torque that the model has never explained in a program, and share of the windows of the baseline in it from
@@ -106,6 +117,8 @@ def reading_findings(
             continue
         if flag == Flag.NOT_FINITE:
             marked &= ~moved & there
+        if flag == Flag.SCATTERED:
+            marked = scattered_since(statistics, baseline)
         # What is refused, or keeps one value, is told as that.
         if kind in NONE:
             marked &= statistics.flags & int(Flag.REFUSED) == 0

@@ -172,7 +172,7 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     found = [
         (int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f])
         for f in Flag
-        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED, Flag.LATER)
+        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED, Flag.LATER, Flag.SCATTERED)
     ]
     count, words = max(found, key=lambda pair: pair[0])
     if count == len(flags):

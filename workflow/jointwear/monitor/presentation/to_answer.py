@@ -12,7 +12,7 @@ from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN
 from jointwear.monitor.findings.misfits import MISFIT
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
 from jointwear.monitor.findings.offsets import OFFSET
-from jointwear.monitor.findings.read_findings import DRIVES, NONE
+from jointwear.monitor.findings.read_findings import DRIVES, NONE, SCATTERED
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.thermometers import BROKEN
 from jointwear.monitor.judging.baseline import ELSEWHERE
@@ -26,7 +26,19 @@ AHEAD = "dated_ahead"
 ASKING = (AHEAD, ELSEWHERE, OPEN_ALARM, GROWN_BEFORE, "scale", "clock", FELL, AT_ONCE, GREASED, LOUD, ZERO, MISFIT)
 #: Kinds that somebody has to look for while they last: an axis whose torque or position is none, day after day, is not
 #: healthy, and a thermometer that shows none hides what it was to explain.
-WHILE_IT_LASTS = ("contradicted", *NONE, DRIVES, UNEVEN, SMOOTH, CLOCK_SPEED, STOPPED, EXCHANGED, BROKEN, OFFSET)
+WHILE_IT_LASTS = (
+    "contradicted",
+    *NONE,
+    DRIVES,
+    UNEVEN,
+    SMOOTH,
+    CLOCK_SPEED,
+    STOPPED,
+    EXCHANGED,
+    BROKEN,
+    OFFSET,
+    SCATTERED,
+)
 #: Kinds that only tell how a robot ran and what of it is judged, unless they name logs to look at.
 TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED)
 

@@ -24,6 +24,7 @@ from jointwear.monitor.reading.inspection import Inspector
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.plausibility import outside_limits
 from jointwear.monitor.reading.reversals import reach_of
+from jointwear.monitor.reading.scattered_stamps import stamps_scatter
 from jointwear.monitor.reading.seen_block import SeenBlock, model_torque
 from jointwear.monitor.reading.standing_torque import standing
 from jointwear.monitor.reading.survey import Survey, guard_of
@@ -207,6 +208,8 @@ def _flagged(
     saturated, _ = at_limit(chunk.torque, chunk.position, around.stretch)
     flags[saturated] |= int(Flag.SATURATED)
     flags[far] |= int(Flag.OUTSIDE_LIMITS)
+    if stamps_scatter(chunk.time, around.stretch):
+        flags |= int(Flag.SCATTERED)
     flags[:, standing(chunk.torque, motion.velocity, dead_band)] |= int(Flag.TORQUE_FROZEN)
     # Every torque depends on every position.
     usable = motion.usable & ~saturated & (marks & int(Flag.REFUSED) == 0) & ~far.any(axis=1)[:, None]
