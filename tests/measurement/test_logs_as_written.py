@@ -65,6 +65,48 @@ def test_a_row_of_units_holds_one_for_each_column(tmp_path):
         two(write(tmp_path / "c.csv", lines))
 
 
+def named(**units):
+    """Names of the columns of a log of one joint with units in brackets."""
+    return {role: f"{role} {said}" for role, said in units.items()}
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_units_in_the_names_of_columns(tmp_path, suffix):
+    """Milliseconds had been read as seconds, and degrees as radians."""
+    names = named(time="[ms]", position="(deg)", torque="( mNm )")
+    values = [[0.0, 20.0], [90.0, 180.0], [1000.0, 2000.0]]
+    path = tmp_path / f"a.{suffix}"
+    if suffix == "csv":
+        write(path, [",".join(names.values()), *(",".join(map(str, row)) for row in zip(*values, strict=True))])
+    else:
+        parquet.write_table(pa.table(dict(zip(names.values(), values, strict=True))), path)
+    lists = {role: name if role == "time" else [name] for role, name in names.items()}
+    chunk = one(path, variables=lists)
+    assert np.allclose(chunk.time, [0.0, 0.02])
+    assert np.allclose(chunk.position[:, 0], np.radians([90, 180]))
+    assert np.allclose(chunk.torque[:, 0], [1.0, 2.0])
+    # The configuration states what a log says wrong.
+    assert one(path, variables=lists, units={"torque": "N m"}).torque[0, 0] == 1000.0
+
+
+def test_a_row_of_units_that_says_other_than_the_names_is_refused(tmp_path):
+    lists = {"position": ["position [deg]"], "torque": ["torque (raw)"]}
+    lines = ["time,position [deg],torque (raw)", "s,degrees,Nm", "0,90,1", "0.02,91,2"]
+    assert np.allclose(one(write(tmp_path / "a.csv", lines), variables=lists).position[0], np.pi / 2)
+    lines[1] = "s,rad,Nm"
+    with pytest.raises(InputError, match=r"column 'position \[deg\]' says 'deg', the row of units 'rad'; state which"):
+        one(write(tmp_path / "b.csv", lines), variables=lists)
+    assert one(tmp_path / "b.csv", variables=lists, units={"position": "rad"}).position[0, 0] == 90
+
+
+def test_a_row_of_units_above_the_header(tmp_path):
+    lines = ["s,deg,mNm", ",".join(HEADER), "0,90,1000", "0.02,91,2000"]
+    chunk = one(write(tmp_path / "a.csv", lines))
+    assert np.allclose([chunk.position[0, 0], chunk.torque[0, 0]], [np.pi / 2, 1.0])
+    lines[0] = "log,of,cell"
+    assert one(write(tmp_path / "b.csv", lines)).position[0, 0] == 90
+
+
 @pytest.mark.parametrize("name", ["a.csv.gz", "a.TSV.GZ"])
 def test_logs_that_a_logger_packs(tmp_path, name):
     rows = [f"{0.02 * k:.2f},{0.001 * k:.3f},{k}" for k in range(5000)]

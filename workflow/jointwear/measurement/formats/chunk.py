@@ -318,13 +318,11 @@ def _check_apart(path: Path, role: str, apart: list[str], layout: Layout) -> Non
     told = " and ".join(f"'{unit}'" for unit in dict.fromkeys(apart))
     if role in layout.units:
         raise InputError(
-            f"{path}: the row of units says {told} for {role}, 'units' of the configuration '{layout.units[role]}' for "
+            f"{path}: the log says {told} for {role}, 'units' of the configuration '{layout.units[role]}' for "
             f"all columns; leave out {role} there, or write all columns in one unit"
         )
     if role == "torque" and any(spelled(role, unit) in (*CURRENTS, *SHARES) for unit in apart):
-        raise InputError(
-            f"{path}: the row of units says {told} for torque; write all columns in N m, or all as currents"
-        )
+        raise InputError(f"{path}: the log says {told} for torque; write all columns in N m, or all as currents")
 
 
 def _in_seconds(time: np.ndarray, stated: bool) -> tuple[np.ndarray, bool]:

@@ -13,6 +13,7 @@ from jointwear.measurement.formats.arrow import chunk_of
 from jointwear.measurement.formats.chunk import JOINT_ROLES, NEEDED, Chunk, find_columns, numbered_columns
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
+from jointwear.measurement.formats.named_units import units_in_names
 
 
 def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
@@ -27,9 +28,9 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
             _check_plain(path, file.schema_arrow, layout)
             columns = find_columns(path, file.schema_arrow.names, layout)
             wanted = list(dict.fromkeys(c for group in columns.values() for c in group))
-            stamped = LocalStamps(layout.time_zone)
+            stamped, units = LocalStamps(layout.time_zone), units_in_names(columns)
             for batch in file.iter_batches(batch_size=rows, columns=wanted, use_threads=False):
-                yield chunk_of(path, batch, columns, layout, stamped)
+                yield chunk_of(path, batch, columns, layout, stamped, units)
     except (pa.ArrowException, OSError) as error:
         first = next(iter(str(error).splitlines()), "unknown reason")
         raise InputError(f"{path}: {TRUNCATED} Parquet file ({first})") from None

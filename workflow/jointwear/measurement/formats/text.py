@@ -1,7 +1,7 @@
 """CSV logs: a header line, one column an axis; separated by commas, semicolons or tabs.
 
-A preamble before the header, a row of units after it, decimal commas and code page 1252 are read as they are. So are
-files that a logger packs by gzip, if their name ends with .gz: they are unpacked block by block.
+A preamble before the header, a row of units after or above it, decimal commas and code page 1252 are read as they are.
+So are files that a logger packs by gzip, if their name ends with .gz: they are unpacked block by block.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count,
 from jointwear.measurement.formats.first_bytes import check_kind
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
+from jointwear.measurement.formats.named_units import is_unit, unit_of, with_names
 from jointwear.measurement.formats.unpacked import is_broken, is_packed, open_text
-from jointwear.measurement.units import UNITS, spelled
+from jointwear.measurement.units import UNITS
 
 _MISSING = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A", "-nan", "None"]
 #: What loggers and spreadsheets write besides where a value is missing; in a row of units "-" is one.
@@ -88,6 +89,7 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         if not _is_number(cell.replace(",", ".")):
             stamps(path, pa.array([cell]))
             types[columns["time"][0]] = pa.string()
+    head = replace(head, units=with_names(path, columns, head.units, layout.units))
     done, time = 0, columns["time"][0]
     torn = _TornRow(path, head.encoding)
     local = LocalStamps(layout.time_zone)
@@ -239,9 +241,11 @@ def _head(path: Path, layout: Layout) -> Head:
     if rows and len(rows[0]) == len(names) and not any(_is_value(cell) for cell in rows[0]):
         cells = dict(zip(names, (cell.strip().strip("[]() ") for cell in rows[0]), strict=True))
         for role, columns in find_columns(path, names, layout).items():
-            if role in UNITS and (unit := _unit_of([cells[column] for column in columns], role)):
+            if role in UNITS and (unit := unit_of([cells[column] for column in columns], role)):
                 units[role] = unit
         skip, rows = skip + 1, rows[1:]
+    elif place:
+        units = _units_above(path, lines[place - 1], names, delimiter, layout)
     decimal = "," if any(_DECIMAL_COMMA.fullmatch(c) for c in _numbers(path, names, rows, layout)) else "."
     if delimiter == "," and rows and len(rows[0]) > len(names):
         raise InputError(
@@ -252,6 +256,22 @@ def _head(path: Path, layout: Layout) -> Head:
     return Head(names, skip, rows[0] if rows else [], delimiter, decimal, encoding, units)
 
 
+def _units_above(path: Path, line: str, names: list[str], delimiter: str, layout: Layout) -> dict[str, str | list[str]]:
+    """Return role -> unit, or one for each column, of the line above the header where it holds units; else nothing."""
+    cells = [cell.strip().strip("[]() ") for cell in next(csv.reader([line], delimiter=delimiter), [])]
+    if len(cells) != len(names) or any(_is_value(cell) for cell in cells):
+        return {}
+    there, found = dict(zip(names, cells, strict=True)), {}
+    for role, columns in find_columns(path, names, layout).items():
+        said = [there[column] for column in columns]
+        if role not in UNITS or role == "trajectory" or not any(said):
+            continue
+        if not all(is_unit(role, cell) for cell in said if cell):
+            return {}
+        found[role] = unit_of(said, role)
+    return found
+
+
 def _numbers(path: Path, names: list[str], rows: list[list[str]], layout: Layout) -> Iterator[str]:
     """Yield the cells of the columns that are read as numbers; those of others say nothing of the decimal sign."""
     try:
@@ -260,15 +280,6 @@ def _numbers(path: Path, names: list[str], rows: list[list[str]], layout: Layout
         return  # told by the one who reads on
     places = {names.index(name) for role, group in columns.items() if role != "program" for name in group}
     yield from (row[place] for row in rows for place in places if place < len(row))
-
-
-def _unit_of(cells: list[str], role: str) -> str | list[str]:
-    """Return the unit of a role, or one for each of its columns where they differ; a cell without one, as beside a cell
-    that was merged, has that of the first."""
-    stated = [cell for cell in cells if cell]
-    if len({spelled(role, cell) for cell in stated}) < 2:
-        return stated[0] if stated else ""
-    return [cell or stated[0] for cell in cells]
 
 
 def _first_lines(path: Path) -> tuple[list[str], str]:
