@@ -179,6 +179,23 @@ def test_what_to_write_for_a_time_in_another_spelling(tmp_path, stamp, words):
         one(write(tmp_path / "a.csv", lines))
 
 
+def test_days_as_a_spreadsheet_counts_them(tmp_path):
+    """The key that was advised for them dated the logs 70 years ahead."""
+    days = 46037.25 + np.arange(50) * 0.02 / 86400
+    path = write(tmp_path / "a.csv", [";".join(HEADER), *(f"{t:.10f};0.1;1.0" for t in days)])
+    with pytest.raises(InputError, match=r"units: \{time: d\}"):
+        one(path)
+    chunk = one(path, units={"time": "d"}, time_zone="Europe/Berlin")
+    assert chunk.dated
+    assert np.allclose(chunk.time - (1768456800 - 3600), 0.02 * np.arange(50), atol=1e-4)
+    # Days of a clock of its own, and days since 1970, are none.
+    for begin, dated in ((3.0, False), (20468.25, True)):
+        path = write(tmp_path / "b.csv", [";".join(HEADER), *(f"{t:.10f};0.1;1.0" for t in days - days[0] + begin)])
+        chunk = one(path, units={"time": "d"})
+        assert chunk.dated is dated
+        assert chunk.time[0] == pytest.approx(begin * 86400)
+
+
 @pytest.mark.parametrize("rows", [4, 8, 50, 1000])
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_the_hour_that_comes_twice_where_summer_time_ends(tmp_path, suffix, rows):

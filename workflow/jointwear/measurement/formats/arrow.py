@@ -16,6 +16,7 @@ from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.formats.programs import joined_labels, label_of
 from jointwear.measurement.timestamps import to_write
+from jointwear.measurement.units import spelled
 
 
 def chunk_of(
@@ -47,6 +48,11 @@ def chunk_of(
         values[role] = arrays[0] if role in ("time", "trajectory") or len(arrays) == 1 else np.stack(arrays, axis=1)
         if role not in ("time", "trajectory", "temperature") and len(arrays) == 1:
             values[role] = arrays[0][:, None]
+    said = layout.units.get("time") or (units or {}).get("time") or ""
+    if not dated and spelled("time", str(said)) == "d":
+        moments = stamped.of_serial_days(np.asarray(values["time"], dtype=float))
+        if moments is not None:
+            values["time"], dated, none_such = moments, True, stamped.none_such
     return replace(make_chunk(path, values, layout, units or {}, dated), none_such=none_such)
 
 

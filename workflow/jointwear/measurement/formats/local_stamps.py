@@ -18,6 +18,9 @@ FURTHEST = LATEST / 2
 #: Longest step [s] of times that go on through an hour that comes twice. A clock on the wall takes it without falling
 #: back where the logger pauses for an hour or more and ends within so much of when it began: by chance one in twenty.
 GOES_ON = 180.0
+#: Days that a spreadsheet counts, from 1899-12-30 by the clock on the wall: those of the years 2000 to 2069. As days
+#: since 1970 they would be of 2070 and later.
+SERIAL_DAYS, SERIAL_ORIGIN = (36526.0, 62094.0), 25569.0
 #: What hours that do not exist prove.
 UNTURNED = "the logger does not turn its clock"
 
@@ -70,6 +73,15 @@ class LocalStamps:
         self._counted = True
         known, shown = _shown(seconds)
         return np.where(known, seconds + (self.seconds(shown) - _seconds(shown)), seconds)
+
+    def of_serial_days(self, days: np.ndarray) -> np.ndarray | None:
+        """Return the next times (m,), days as a spreadsheet counts them (:data:`SERIAL_DAYS`), as seconds since 1970
+        UTC; None where they are none."""
+        known = days[np.isfinite(days)]
+        if not len(known) or not SERIAL_DAYS[0] <= np.median(known) < SERIAL_DAYS[1]:
+            return None
+        # To the microsecond, finer than a day in a number tells.
+        return self.of_wall_clock(np.round((days - SERIAL_ORIGIN) * 86400.0, 6))
 
     def comes_twice(self, seconds: np.ndarray) -> np.ndarray:
         """Return which times (m,), as of :meth:`of_wall_clock`, the clock on the wall shows twice."""
