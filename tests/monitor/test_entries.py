@@ -82,6 +82,24 @@ def test_no_zone_is_advised_that_is_another(name, hint):
     assert ("did you mean" in str(told.value)) == hint
 
 
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        ("2026-03-29T02:30:00", r"does not exist in Europe/Berlin.*did you mean '2026-03-29T03:30:00\+02:00'"),
+        ("2026-10-25 02:30", r"comes twice .*write '2026-10-25T02:30:00\+02:00' or '2026-10-25T02:30:00\+01:00'$"),
+    ],
+)
+def test_times_that_the_clock_on_the_wall_shows_never_or_twice_are_told(time, words):
+    """They had been taken as one of the two without a word."""
+    event = {"kind": "service"}
+    with pytest.raises(InputError, match=r"cell_3\.events\[0\]\.time' is .*" + words):
+        check(time_zone="Europe/Berlin", events=[{**event, "time": time}])
+    with pytest.raises(InputError, match=r"cell_3\.baseline\.until' is .*" + words):
+        check(time_zone="Europe/Berlin", baseline={"until": time})
+    check(time_zone="Europe/Berlin", events=[{**event, "time": f"{time}+01:00"}])
+    check(events=[{**event, "time": time}])
+
+
 def test_of_two_zones_the_message_says_which():
     with pytest.raises(
         InputError, match=r"\.time_zone' is 'x' \(the zone of times in the logs that name none; allowed"

@@ -1,6 +1,7 @@
 """What an entry of a monitored robot may ask for: patterns of files, lengths of time, numbers for each axis."""
 
 import os
+import re
 import time
 from pathlib import Path
 
@@ -234,6 +235,21 @@ def test_programs_that_no_log_is_named_after_are_told():
     for quiet in ({"logs": {"*/weld_*": "weld", "*/paint_*": "paint"}}, {"columns": "task"}, None):
         assert programs_without_logs("cell", {"program": quiet}, logs) == ""
     assert programs_without_logs("cell", {"program": {"logs": {"*/weld_*": "weld"}}}, []) == ""
+
+
+@pytest.mark.parametrize(
+    ("pattern", "hint"),
+    [
+        ("logs/pres/*.csv", "there is no folder logs/pres; did you mean 'logs/press/*.csv'?"),
+        ("logs\\press\\*.csv", "write folders with /, as 'logs/press/*.csv'"),
+        ("elsewhere/*.csv", "there is no folder elsewhere"),
+    ],
+)
+def test_a_pattern_in_a_folder_that_is_not_there_names_the_nearest(tmp_path, monkeypatch, pattern, hint):
+    monkeypatch.chdir(tmp_path)
+    Path("logs/press").mkdir(parents=True)
+    with pytest.raises(InputError, match=re.escape(hint) + "$"):
+        find_logs([pattern])
 
 
 def shared(**robots):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from glob import has_magic
 from pathlib import Path
@@ -98,7 +99,9 @@ def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
     if not matching:
         folder = _folder(pattern)
         there = [p.name for p in folder.iterdir() if not _misnamed(p)] if folder.is_dir() else []
-        hint = nearest(Path(pattern).name, there) if folder.is_dir() else f"; there is no folder {folder}"
+        hint = nearest(Path(pattern).name, there) if folder.is_dir() else _no_folder(pattern, folder)
+        if "\\" in pattern:
+            hint = f"; write folders with /, as '{pattern.replace(chr(92), '/')}'"
         raise InputError(f"config: '{where}' holds '{pattern}', which matches no file{hint}")
     holds = f"config: '{where}' holds '{pattern}', which matches"
     root = os.path.realpath(_folder(pattern))
@@ -148,6 +151,18 @@ def _folder(pattern: str) -> Path:
     parts = Path(pattern).parts
     fixed = next((i for i, part in enumerate(parts) if has_magic(part)), len(parts) - 1)
     return Path(*parts[:fixed]) if fixed else Path(".")
+
+
+def _no_folder(pattern: str, folder: Path) -> str:
+    """Return in words that the folder of a pattern is not there, with the pattern of the nearest one that is."""
+    there = next(p for p in (folder, *folder.parents) if p.is_dir())
+    lost = folder.relative_to(there).parts[0]
+    folders = [p.name for p in there.iterdir() if p.is_dir()] if may_be_read(there) else []
+    if close := get_close_matches(lost, folders, n=1):
+        parts = list(Path(pattern).parts)
+        parts[len(there.parts)] = close[0]
+        return f"; there is no folder {folder}; did you mean '{Path(*parts).as_posix()}'?"
+    return f"; there is no folder {folder}"
 
 
 def _misnamed(path: str | Path) -> str:

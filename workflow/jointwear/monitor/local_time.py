@@ -65,6 +65,26 @@ def repeats_after(seconds: float, zone: tzinfo) -> float:
     return (early - late).total_seconds()
 
 
+def odd_hour(text: str, zone: tzinfo) -> str:
+    """Return in words what is to be written for an ISO 8601 time without a zone that the clock on the wall of `zone`
+    never shows, where summer time begins, or shows twice, where it ends; empty for all others.
+
+    Raises
+    ------
+    ValueError : if the text is no such time.
+    """
+    wall = datetime.fromisoformat(text)
+    if wall.tzinfo is not None:
+        return ""
+    early, late = (wall.replace(tzinfo=zone, fold=fold) for fold in (0, 1))
+    if early.utcoffset() == late.utcoffset():
+        return ""
+    both = [moment.astimezone(UTC).astimezone(zone).isoformat() for moment in (early, late)]
+    if early.utcoffset() < late.utcoffset():
+        return f"a time that does not exist in {zone}, where summer time begins; did you mean '{both[0]}'?"
+    return f"a time that comes twice in {zone}, where summer time ends; write '{both[0]}' or '{both[1]}'"
+
+
 def local_time(seconds: float, zone: tzinfo) -> str:
     """Return seconds since 1970 UTC as `2026-01-05 07:00 CET`; seconds are shown where they are not zero."""
     if not math.isfinite(seconds):

@@ -9,6 +9,7 @@ import os
 import re
 import time
 from collections.abc import Mapping
+from datetime import tzinfo
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from jointwear.measurement.log_entries import PER_JOINT, check_log_entry
 from jointwear.measurement.timestamps import LATEST, meant, moment_of
 from jointwear.monitor.events import events_of
 from jointwear.monitor.lengths_of_time import LONGEST, window_seconds
-from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.local_time import odd_hour, zone_of
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 #: Longest name of a robot [characters]: with an ending it is that of a file, which some systems end at 143.
@@ -70,6 +71,7 @@ def check_robots(config: Mapping[str, Any]) -> None:
             if not Path(source).is_file():
                 raise InputError(f"{path}: 'urdf' names {source}, which does not exist")
         check_log_entry(entry, where, robot, (*PER_JOINT, "dead_band"))
+        _check_hours(entry, where, zone)
         try:
             for event in events_of(entry):
                 most = len(robot["joints"])
@@ -102,6 +104,24 @@ def check_robots(config: Mapping[str, Any]) -> None:
             raise InputError(
                 f"config: '{where}.baseline.from' is {shown(borders[0])}, not before 'until', {shown(borders[1])}"
             )
+
+
+def _check_hours(entry: Mapping[str, Any], where: str, zone: tzinfo) -> None:
+    """Check that no time of an entry is one that the clock on the wall never shows, or shows twice.
+
+    Raises
+    ------
+    InputError : with what to write.
+    """
+    given = {f"events[{k}].time": event.get("time") for k, event in enumerate(entry.get("events") or ())}
+    given |= {f"baseline.{key}": (entry.get("baseline") or {}).get(key) for key in ("from", "until")}
+    for key, text in given.items():
+        try:
+            words = odd_hour(text, zone) if isinstance(text, str) else ""
+        except ValueError:
+            continue  # told as what it is
+        if words:
+            raise InputError(f"config: '{where}.{key}' is {shown(text)}, {words}")
 
 
 def _robots_of(path: Path, config: Mapping[str, Any]) -> str:
