@@ -107,6 +107,40 @@ def test_a_row_of_units_above_the_header(tmp_path):
     assert one(write(tmp_path / "b.csv", lines)).position[0, 0] == 90
 
 
+def test_bars_between_columns_are_read_and_blanks_told(tmp_path):
+    rows = [HEADER, ["0.00", "0.5", "1.25"], ["0.01", "0.6", "1.5"]]
+    assert one(write(tmp_path / "a.csv", ["|".join(row) for row in rows])).torque[:, 0].tolist() == [1.25, 1.5]
+    with pytest.raises(InputError, match="its columns are separated by blanks, which is not read; write it with comm"):
+        one(write(tmp_path / "b.csv", ["   ".join(row) for row in rows]))
+
+
+@pytest.mark.parametrize(("header", "row"), [("", ";"), (";", ""), (";", ";")])
+def test_a_delimiter_at_the_end_of_a_line_makes_no_column(tmp_path, header, row):
+    lines = [";".join(HEADER) + header, "0,00;0,5;1,25" + row, "0,01;0,6;1,5" + row]
+    assert one(write(tmp_path / "a.csv", lines)).torque[:, 0].tolist() == [1.25, 1.5]
+
+
+def test_numbers_with_two_decimal_signs_name_the_columns(tmp_path):
+    lines = [",".join(HEADER), *(f'{0.01 * k:.2f},0.5,"16,87{k % 10}"' for k in range(50))]
+    with pytest.raises(InputError, match=r"column 'torque_1' holds '16,870' and column 'time' '0\.00'"):
+        one(write(tmp_path / "a.csv", lines))
+
+
+def test_points_between_thousands_are_told(tmp_path):
+    lines = [";".join(HEADER), *(f"{k};0;{f'{850 + 9 * k:,}'.replace(',', '.')}" for k in range(50))]
+    with pytest.raises(InputError, match=r"column 'torque_1' holds '1\.003' beside '994'"):
+        one(write(tmp_path / "a.csv", lines), units={"time": "ms"})
+    # A joint that stands at a whole number says nothing.
+    lines = [";".join(HEADER), *(f"{k};0;{90 if k < 25 else 90.001 + 0.013 * k:.6g}" for k in range(30))]
+    assert one(write(tmp_path / "b.csv", lines), units={"time": "ms"}).torque[0, 0] == 90
+
+
+def test_rows_from_the_newest_to_the_oldest_are_told(tmp_path):
+    lines = [",".join(HEADER), *(f"{0.02 * k:.2f},0.1,{k}" for k in range(50, 0, -1))]
+    with pytest.raises(InputError, match="its rows run from the newest to the oldest; turn them round"):
+        one(write(tmp_path / "a.csv", lines))
+
+
 @pytest.mark.parametrize("name", ["a.csv.gz", "a.TSV.GZ"])
 def test_logs_that_a_logger_packs(tmp_path, name):
     rows = [f"{0.02 * k:.2f},{0.001 * k:.3f},{k}" for k in range(5000)]

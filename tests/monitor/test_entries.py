@@ -100,6 +100,11 @@ def test_times_that_the_clock_on_the_wall_shows_never_or_twice_are_told(time, wo
     check(events=[{**event, "time": time}])
 
 
+def test_a_day_and_a_time_of_day_in_two_columns_are_told_with_the_way_out():
+    with pytest.raises(InputError, match=r"variables\.time' has 2 names; allowed: one \(a day and a time"):
+        check(variables={"time": ["date", "clock"]})
+
+
 def test_of_two_zones_the_message_says_which():
     with pytest.raises(
         InputError, match=r"\.time_zone' is 'x' \(the zone of times in the logs that name none; allowed"

@@ -16,6 +16,9 @@ from jointwear.measurement.units import CURRENTS, ROLES, SHARES, UNITS, is_known
 #: Keys that may hold one number for each joint.
 PER_JOINT = ("torque_constant", "scale", "sign")
 
+#: What to do where the day and the time of day have columns of their own.
+_JOIN = " (a day and a time of day go into one column, as 2026-01-31 06:00:00)"
+
 
 def check_log_entry(
     entry: Mapping[str, Any], where: str, robot: Mapping[str, Any], per_joint: Iterable[str] = PER_JOINT
@@ -76,6 +79,7 @@ def _check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
                 f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one, or {axes}, one a joint"
                 if len(fits) > 1
                 else f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one"
+                + _JOIN * (role == "time")
             )
         twice = next((n for k, n in enumerate(several) if n in several[:k]), None)
         if twice is not None and role != "temperature":

@@ -18,6 +18,8 @@ LARGEST_LABEL = 2**31 - 1
 SHORTEST_STEP, LONGEST_STEP = 1e-6, 60.0
 #: Share of the steps in time that go back where rows lie in no order: half of them do, of trajectories few.
 FALLING = 0.25
+#: Share of them that go back where rows run from the newest to the oldest.
+BACKWARDS = 0.9
 #: Steps [s] of usual logs, a unit of time apart from each other.
 USUAL = (5e-4, 0.5)
 #: [degC]
@@ -132,6 +134,11 @@ def check_clock(path: str | Path, time: np.ndarray, stated: str = "s") -> None:
     known = time[np.isfinite(time)]
     steps = np.diff(known)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+    if len(steps) and np.mean(steps < 0) > BACKWARDS:
+        raise InputError(
+            f"{path}: its rows run from the newest to the oldest; turn them round, as pandas does by "
+            "table.sort_values(the column of the times)"
+        )
     if step is not None and not SHORTEST_STEP <= step <= LONGEST_STEP:
         if _in_no_order(known):
             raise InputError(

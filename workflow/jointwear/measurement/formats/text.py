@@ -1,4 +1,4 @@
-"""CSV logs: a header line, one column an axis; separated by commas, semicolons or tabs.
+"""CSV logs: a header line, one column an axis; separated by commas, semicolons, tabs or |.
 
 A preamble before the header, a row of units after or above it, decimal commas and code page 1252 are read as they are.
 So are files that a logger packs by gzip, if their name ends with .gz: they are unpacked block by block.
@@ -25,6 +25,7 @@ from jointwear.measurement.formats.first_bytes import check_kind
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.local_stamps import LocalStamps
 from jointwear.measurement.formats.named_units import is_unit, unit_of, with_names
+from jointwear.measurement.formats.number_signs import decimal_sign
 from jointwear.measurement.formats.unpacked import is_broken, is_packed, open_text
 from jointwear.measurement.units import UNITS
 
@@ -45,8 +46,6 @@ _OTHER_FILES = {
 _JSON = (b'{"', b"[{")
 #: What the reader says of a cell that is not of its column's type.
 _CONVERSION = "conversion error"
-#: A number with a decimal comma.
-_DECIMAL_COMMA = re.compile(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?\s*", re.IGNORECASE)
 #: Lines looked at for the header and for the form of the numbers.
 _LOOK = 60
 #: Bytes at the end of a log in which a row that was cut is looked for.
@@ -246,7 +245,8 @@ def _head(path: Path, layout: Layout) -> Head:
         skip, rows = skip + 1, rows[1:]
     elif place:
         units = _units_above(path, lines[place - 1], names, delimiter, layout)
-    decimal = "," if any(_DECIMAL_COMMA.fullmatch(c) for c in _numbers(path, names, rows, layout)) else "."
+    names = _with_last(names, rows)
+    decimal = decimal_sign(path, _numbers(path, names, rows, layout))
     if delimiter == "," and rows and len(rows[0]) > len(names):
         raise InputError(
             f"{path}: the header names {count(len(names), 'column')}, the first row has "
@@ -272,14 +272,24 @@ def _units_above(path: Path, line: str, names: list[str], delimiter: str, layout
     return found
 
 
-def _numbers(path: Path, names: list[str], rows: list[list[str]], layout: Layout) -> Iterator[str]:
-    """Yield the cells of the columns that are read as numbers; those of others say nothing of the decimal sign."""
+def _with_last(names: list[str], rows: list[list[str]]) -> list[str]:
+    """Return the names of the columns with one more, or less, where a delimiter ends each row and not the header, or
+    the header and no row."""
+    if rows and all(len(row) == len(names) + 1 and not row[-1].strip() for row in rows) and "" not in names:
+        return [*names, ""]
+    if rows and not names[-1] and all(len(row) == len(names) - 1 for row in rows):
+        return names[:-1]
+    return names
+
+
+def _numbers(path: Path, names: list[str], rows: list[list[str]], layout: Layout) -> dict[str, list[str]]:
+    """Return name -> cells of the columns that are read as numbers; those of others say nothing of the decimal sign."""
     try:
         columns = find_columns(path, names, layout)
     except InputError:
-        return  # told by the one who reads on
-    places = {names.index(name) for role, group in columns.items() if role != "program" for name in group}
-    yield from (row[place] for row in rows for place in places if place < len(row))
+        return {}  # told by the one who reads on
+    places = {name: names.index(name) for role, group in columns.items() if role != "program" for name in group}
+    return {name: [row[place] for row in rows if place < len(row)] for name, place in places.items()}
 
 
 def _first_lines(path: Path) -> tuple[list[str], str]:
@@ -320,21 +330,29 @@ def _find_header(path: Path, lines: list[str], layout: Layout) -> tuple[int, lis
     for k, line in enumerate(lines):
         if not line.strip():
             continue
-        delimiter = max(",;\t", key=line.count)
+        delimiter = max(",;\t|", key=line.count)
         try:
             names = [name.strip() for name in next(csv.reader([line], delimiter=delimiter), [])]
         except csv.Error as error:
             raise InputError(f"{path}: cannot be read as CSV ({error})") from None
         check_count(path, len(names))
         fallback = fallback or (k, names, delimiter)
-        if len(names) < 3:
-            continue
-        try:
-            find_columns(path, names, layout)
-        except InputError:
-            continue
-        return k, names, delimiter
+        if _has_columns(path, names, layout):
+            return k, names, delimiter
+    if any(_has_columns(path, line.split(), layout) for line in lines):
+        raise InputError(
+            f"{path}: its columns are separated by blanks, which is not read; write it with commas, semicolons or "
+            "tabs, as pandas does by pandas.read_csv(..., sep=r'\\s+').to_csv(..., index=False)"
+        )
     return fallback
+
+
+def _has_columns(path: Path, names: list[str], layout: Layout) -> bool:
+    """Return whether names are those of the columns that the layout asks for."""
+    try:
+        return len(names) >= 3 and bool(find_columns(path, names, layout))
+    except InputError:
+        return False
 
 
 def _is_value(cell: str) -> bool:
