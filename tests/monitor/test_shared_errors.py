@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from jointwear.monitor.normal.conditions import COMMON_OF_TEMPERATURE
 from jointwear.monitor.normal.shift_scale import own_scale, shift_scale
 from jointwear.monitor.watching.shared_error import SLOPE_SPREAD, _location, shared_error, units_of_levels
 from jointwear.monitor.watching.watching import outside_baseline
@@ -82,16 +83,17 @@ def test_axes_that_leave_the_temperatures_of_the_baseline_together_are_moved_by_
     beyond = np.where(cold > 0, 0.02**2, 0.0)
     first, shift = np.arange(100) < 40, np.arange(100) // 10
     quiet = np.random.default_rng(2).normal(0, 1e-3, cold.shape)
-    told = shared_error(cold + quiet, 1e-6 + beyond, first, shift, beyond)
+    alike = COMMON_OF_TEMPERATURE * beyond
+    told = shared_error(cold + quiet, 1e-6 + beyond, first, shift, alike)
     assert np.abs(told.value[60:] - 0.02).max() < 0.008
     # What is left may differ from axis to axis, and one that wears in the cold stands out.
     worn = cold + quiet
     worn[70:, 2] += 0.08
-    alone = shared_error(worn, 1e-6 + beyond, first, shift, beyond)
+    alone = shared_error(worn, 1e-6 + beyond, first, shift, alike)
     assert (worn - alone.value)[70:, 2].min() > 0.06
     assert np.abs((worn - alone.value)[70:, [0, 1, 3, 4, 5]]).max() < 0.02
     # Two axes cannot tell what they share: all of it stays unsure.
-    two = shared_error(cold[:, :2], 1e-6 + beyond[:, :2], first, shift, beyond[:, :2])
+    two = shared_error(cold[:, :2], 1e-6 + beyond[:, :2], first, shift, alike[:, :2])
     assert (two.value == 0).all()
     assert (two.variance[60:] > 0.5 * beyond[60:, :2]).all()
 

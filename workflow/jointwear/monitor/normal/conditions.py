@@ -12,6 +12,8 @@ operating feature that is itself a log is an elasticity:
 - a constant of each program but the most frequent (:mod:`.regimes`): :data:`PROGRAM`; its products with the load, since
   a part that is carried on some moves of a program weighs on an axis there and not elsewhere, and with the speed, at
   which programs that use other parts of the friction curve differ: :data:`LOAD_PROGRAM`, :data:`SPEED_PROGRAM`;
+- temperature below, and above, all that the baseline had [K]: what all axes have in common of it, and its own:
+  :data:`BEYOND`. Later shifts teach it by what it does within each of them;
 - by how much all axes together are faster or slower than any window of the baseline in the same program
   (:mod:`.override`): :data:`OVERRIDE`;
 - products of the features with temperature, or with the warm-up state: :data:`PRODUCT` times that of the feature.
@@ -51,8 +53,13 @@ FEATURES = np.array([0.3, 0.3, 0.15, 0.05, 0.15])
 OVERRIDE = 1.5
 #: Change of a feature's coefficient per K, as a share of its own prior; per unit of the warm-up state.
 PRODUCT, PRODUCT_WARM = 0.02, 0.4
-#: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond.
-BEYOND = 0.004
+#: Beyond the range of the baseline's temperatures the curve may bend once more: standard deviation per K beyond. Share
+#: of the variance of that, and of the next one's, which the axes of a robot have in common: all their oils thicken in
+#: the cold, and the same law is carried too far.
+BEYOND, COMMON_OF_TEMPERATURE = 0.004, 0.7
+#: Share of that variance that no shift takes away, half of the standard deviation: what temperature does within shifts
+#: tells of one more bend, and the law between the temperatures of one day and those of another may have several.
+LASTING = 0.25
 #: Difference [K] up to which temperatures are the same.
 SAME = 1e-6
 #: A thermometer on a housing and the oil inside are out of step while the temperature changes: hours [h] of the mean
@@ -149,16 +156,21 @@ def _gravity(mean: np.ndarray, static: GravityTorque) -> tuple[np.ndarray, np.nd
 
 @dataclass(frozen=True)
 class Design:
-    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) of leaving the baseline's range, of
-    temperatures and of how fast they change; `programs`: columns of programs that the log names or the baseline lacks,
-    and of speeds that it lacks; their normal is learnt when they first run. `thermal`: columns of temperature, warming
-    and hour, with products."""
+    """Design (w, p) of one axis, prior of its coefficients, and the variance (w,) a priori of leaving the baseline's
+    range, of temperatures and of how fast they change, `beyond`; the part of it that no column stands for, so that
+    nothing is learnt of it, `besides` (w,).
+
+    `programs`: columns of programs that the log names or the baseline lacks, and of speeds that it lacks; their normal
+    is learnt when they first run. `thermal`: columns of temperature, warming and hour, with products. `alike`: those of
+    bends beyond the baseline's temperatures that the axes of a robot have in common."""
 
     matrix: np.ndarray
     prior: Posterior
     beyond: np.ndarray
+    besides: np.ndarray
     programs: tuple[int, ...] = ()
     thermal: tuple[int, ...] = ()
+    alike: tuple[int, ...] = ()
 
 
 def _lagged(temperature: np.ndarray, start: np.ndarray) -> np.ndarray:
@@ -178,10 +190,10 @@ def _lagged(temperature: np.ndarray, start: np.ndarray) -> np.ndarray:
     return result
 
 
-def _outside(values: np.ndarray, baseline: np.ndarray) -> np.ndarray:
-    """Return by how much values (w,) leave the range of those of the `baseline` (w,); NaN as they are."""
+def _outside(values: np.ndarray, baseline: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much values (w,) lie below and above the range of those of the `baseline` (w,); NaN as they are."""
     low, high = np.nanmin(values[baseline]), np.nanmax(values[baseline])
-    return np.maximum(np.maximum(low - values, values - high), 0.0)
+    return np.maximum(low - values, 0.0), np.maximum(values - high, 0.0)
 
 
 def _behind(conditions: Conditions) -> np.ndarray:
@@ -232,8 +244,26 @@ def design_of(conditions: Conditions, axis: int, baseline: np.ndarray, warm: np.
     elif warm is not None:
         thermal += columns.add((centred * warm[:, None]).T, FEATURES * PRODUCT_WARM)
     programs = _add_programs(columns, conditions, baseline, centred[:, 0])
-    beyond = _beyond(conditions, temperature, baseline) if known else np.zeros(len(conditions.start))
-    return Design(np.stack(columns.values, axis=1), columns.prior(), beyond, tuple(programs), tuple(thermal))
+    beyond = besides = np.zeros(len(conditions.start))
+    bends: list[range] = []
+    if known:
+        bends, size = _add_bends(columns, temperature, baseline)
+        hurried = _hurried(conditions, temperature, baseline)
+        beyond, besides = size + hurried, LASTING * size + hurried
+    thermal += [place for pair in bends for place in pair]
+    matrix, alike = np.stack(columns.values, axis=1), tuple(pair[0] for pair in bends)
+    return Design(matrix, columns.prior(), beyond, besides, tuple(programs), tuple(thermal), alike)
+
+
+def _add_bends(columns: _Columns, temperature: np.ndarray, baseline: np.ndarray) -> tuple[list[range], np.ndarray]:
+    """Add the bends beyond the temperatures (w,) of the baseline, of each side that later windows reach.
+
+    Returns the places of each, first that of what the axes have in common, and the variance (w,) a priori of all.
+    """
+    share = (1 - LASTING) * np.array([COMMON_OF_TEMPERATURE, 1 - COMMON_OF_TEMPERATURE])
+    sides = _outside(temperature, baseline)
+    bends = [columns.add([side, side], BEYOND * np.sqrt(share)) for side in sides if (side > 0).any()]
+    return bends, (BEYOND * (sides[0] + sides[1])) ** 2
 
 
 def _add_thermal(
@@ -262,11 +292,10 @@ def _add_thermal(
     return thermal
 
 
-def _beyond(conditions: Conditions, temperature: np.ndarray, baseline: np.ndarray) -> np.ndarray:
-    """Return the variance (w,) of temperatures, and of changes of them, that the baseline did not have."""
-    outside = _outside(temperature, baseline)
-    hurried = _outside(temperature - _lagged(temperature, conditions.start), baseline)
-    return (BEYOND * outside) ** 2 + (TRANSIT * hurried) ** 2
+def _hurried(conditions: Conditions, temperature: np.ndarray, baseline: np.ndarray) -> np.ndarray:
+    """Return the variance (w,) of temperatures that change as the baseline did not have it."""
+    below, above = _outside(temperature - _lagged(temperature, conditions.start), baseline)
+    return (TRANSIT * (below + above)) ** 2
 
 
 def _add_programs(columns: _Columns, conditions: Conditions, baseline: np.ndarray, speed: np.ndarray) -> list[int]:

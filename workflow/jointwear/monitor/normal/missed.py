@@ -37,7 +37,7 @@ def with_missed(axis: AxisNormal, regime: np.ndarray | None, shift: np.ndarray) 
         missed[own] = missed_variance(of_shifts, axis.dispersion.between)
     return replace(
         axis,
-        design=replace(axis.design, beyond=axis.design.beyond + missed),
+        design=replace(axis.design, beyond=axis.design.beyond + missed, besides=axis.design.besides + missed),
         fit=replace(axis.fit, left_out_variance=told + missed),
         missed=float(np.sqrt(missed.max(initial=0.0))),
     )

@@ -31,6 +31,15 @@ class Posterior:
         """Return the expected value (w,) of designs (w, p) and its variance (w,), noise of the window not included."""
         return design @ self.mean, ((design @ self.covariance) * design).sum(axis=1)
 
+    def given(self, columns: Sequence[int]) -> Posterior:
+        """Return what is not known of the coefficients once those of `columns` are: the covariance is less."""
+        some = list(columns)
+        if not some:
+            return self
+        shown = self.covariance[:, some]
+        rest = self.covariance - shown @ np.linalg.solve(shown[some], shown.T)
+        return Posterior(self.mean, 0.5 * (rest + rest.T))
+
 
 @dataclass(frozen=True)
 class NormalFit:

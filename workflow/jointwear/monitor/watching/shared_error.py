@@ -22,9 +22,6 @@ RARE, WIDE = 0.05, 0.08
 RAREST, WIDEST = 0.01, 0.4
 #: Smallest usual size.
 LEAST = 0.0005
-#: Share of the variance of leaving the baseline's temperatures that the axes of a robot have in common: all their oils
-#: thicken in the cold, and the same law is carried too far.
-COMMON_OF_TEMPERATURE = 0.7
 #: A priori slope of an axis over the common part of the others, and its standard deviation.
 SLOPE, SLOPE_SPREAD = 1.0, 0.35
 #: What moves all axes (oil, weather) moves viscous friction so many times as much, in percent of itself, as Coulomb
@@ -56,7 +53,7 @@ def shared_error(
     variance: np.ndarray,
     baseline: np.ndarray,
     shift: np.ndarray,
-    beyond: np.ndarray | None = None,
+    alike: np.ndarray | None = None,
     unit: np.ndarray | float = 1.0,
 ) -> SharedError:
     """Estimate the shared error.
@@ -66,12 +63,11 @@ def shared_error(
     residual : (w, n) log levels less the normal state (left out in the baseline), NaN where unknown.
     variance : (w, n) of the residual, prediction, shift and window together. baseline : (w,) bool.
     shift : (w,) labels; the slope in a shift rests on the steps between the shifts before it.
-    beyond : (w, n) part of `variance`, of leaving the baseline's range; :data:`COMMON_OF_TEMPERATURE` of it is shared.
-        None: none.
+    alike : (w, n) part of `variance`, of leaving the baseline's range, that the axes have in common. None: none.
     unit : (n,) residual of each axis for one unit of what all have in common.
     """
     w, n = residual.shape
-    alike = np.zeros((w, n)) if beyond is None else COMMON_OF_TEMPERATURE * np.nan_to_num(beyond) / np.square(unit)
+    alike = np.zeros((w, n)) if alike is None else np.nan_to_num(alike) / np.square(unit)
     residual, variance = residual / unit, variance / np.square(unit) - alike
     value, spread, known = np.zeros((w, n)), np.zeros((w, n)), np.zeros((w, n), dtype=bool)
     told = np.where(before_baseline(baseline)[:, None], np.nan, residual)

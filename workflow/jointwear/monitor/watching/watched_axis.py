@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from jointwear.monitor.normal.conditions import Design
+from jointwear.monitor.normal.conditions import COMMON_OF_TEMPERATURE, Design
 from jointwear.monitor.normal.dispersion import inflated, updated_between
 from jointwear.monitor.normal.learning import AxisNormal, relearnt, widened
 from jointwear.monitor.normal.normal_state import Posterior, introduced, taught
@@ -54,6 +54,8 @@ class WatchedAxis:
     """One axis with its segments: the residual of every window against the normal state that holds for it.
 
     What all axes have in `common` while it is learnt anew is no part of its level: it is taken out of what is judged.
+    `alike`: the other axes tell what all have in common beyond the temperatures of the baseline, so that it is no doubt
+    of this one alone.
     """
 
     def __init__(
@@ -65,11 +67,13 @@ class WatchedAxis:
         least: float,
         coarsest: float,
         common: Common | None = None,
+        alike: bool = True,
     ) -> None:
         self.normal, self.shift, self.least, self.coarsest = normal, shift, least, coarsest
         w = len(shift)
         matrix = normal.design.matrix
         self.residual, self.predicted = np.full(w, np.nan), np.full(w, np.nan)
+        self.common = np.zeros(w)
         self.learning, self.unseen = np.zeros(w, dtype=bool), np.zeros(w, dtype=bool)
         self.segments: list[slice] = []
         self.states: list[Posterior] = []
@@ -97,9 +101,13 @@ class WatchedAxis:
             for rows in np.split(np.arange(a, b), cuts - a):
                 expected, spread = posterior.predict(clean[rows])
                 self.residual[rows] = np.where(bad[rows], np.nan, normal.series_value[rows] - expected)
-                self.predicted[rows] = spread + normal.design.beyond[rows]
+                self.predicted[rows] = spread + normal.design.besides[rows]
+                apart = posterior.given(normal.design.alike if alike else ())
+                if alike:
+                    self.common[rows] = spread - apart.predict(clean[rows])[1]
+                    self.common[rows] += COMMON_OF_TEMPERATURE * normal.design.besides[rows]
                 self.which[rows] = len(self.states)
-                self.states.append(posterior)
+                self.states.append(apart)
                 fresh = rows[~learnt[rows]]
                 waiting, new = _new_programs(
                     normal.design, posterior, a + np.flatnonzero(~learnt[a : rows[-1] + 1]), coarsest

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from jointwear.monitor.normal.conditions import COMMON_OF_TEMPERATURE
 from jointwear.monitor.normal.dispersion import inflated
 from jointwear.monitor.normal.learning import AxisNormal
 from jointwear.monitor.normal.recall import Recall, key_of
@@ -17,7 +18,7 @@ from jointwear.monitor.watching.asked import Anew, Asked, Period
 from jointwear.monitor.watching.decision import Evidence
 from jointwear.monitor.watching.growth_so_far import shrunk, stands_out
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
-from jointwear.monitor.watching.shared_error import COMMON_OF_TEMPERATURE, FINDING, SharedError, shared_error
+from jointwear.monitor.watching.shared_error import FINDING, SharedError, shared_error
 from jointwear.monitor.watching.watched_axis import Common, Start, WatchedAxis
 
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
@@ -133,7 +134,7 @@ def _settled(
     baseline, shift = period.baseline, period.shift
 
     def held(axis: int, shared: Common | None = None) -> WatchedAxis:
-        return WatchedAxis(axes[axis], baseline, shift, starts[axis], asked.least, asked.coarsest, shared)
+        return WatchedAxis(axes[axis], baseline, shift, starts[axis], asked.least, asked.coarsest, shared, asked.common)
 
     states: dict[int, WatchedAxis] = {}
     after = after_baseline(baseline)
@@ -238,21 +239,24 @@ def _beside(states: dict[int, WatchedAxis], n: int, period: Period, asked: Asked
     spread = _columns({j: state.total_variance for j, state in states.items()}, shape, np.nan)
     noise = _columns({j: state.normal.noise for j, state in states.items()}, shape, np.nan)
     beyond = _columns({j: state.normal.design.beyond for j, state in states.items()}, shape, 0.0)
+    besides = _columns({j: state.normal.design.besides for j, state in states.items()}, shape, 0.0)
+    alike = _columns({j: state.common for j, state in states.items()}, shape, 0.0)
     memory = np.zeros(n)
     for j, state in states.items():
         memory[j] = state.normal.dispersion.memory
     if asked.common:
-        alike, shared = COMMON_OF_TEMPERATURE, shared_error(raw, spread, baseline, shift, beyond, asked.unit)
+        besides = (1.0 - COMMON_OF_TEMPERATURE) * besides
+        shared = shared_error(raw, spread, baseline, shift, alike, asked.unit)
     else:
-        alike, nothing = 0.0, np.zeros(shape)
+        nothing = np.zeros(shape)
         shared = SharedError(nothing, nothing, np.zeros(len(shift)), np.zeros(shape, dtype=bool))
-    variance = spread - alike * beyond + shared.variance
+    variance = spread - alike + shared.variance
     outside = outside_baseline(beyond, shared.common, shift)
     apart = raw - shared.value
     judged_with = np.where(before_baseline(baseline)[:, None], np.nan, apart)
     loud = shift_scale(judged_with, variance, noise, memory, shift, outside)
     own = own_scale(apart, variance, noise, memory, shift, baseline)
-    extra = shared.variance + (1.0 - alike) * beyond
+    extra = shared.variance + besides
     return _Beside(shared, raw, noise, variance, extra, loud, own, _calm(shared.common, shift))
 
 
