@@ -105,12 +105,7 @@ def _replays(pieces: Sequence[Piece], keys: Sequence[tuple | None], apart: Set[i
     part."""
     first = [p.first for p in pieces]
     found = replayed([p.log for p in pieces], [p.statistics for p in pieces], first, keys, apart)
-    return {
-        k: replayed_words(
-            pieces[k].log, pieces[other].log, first[k] - first[other] if pieces[k].statistics.dated else np.nan
-        )
-        for k, other in found.items()
-    }
+    return {k: replayed_words(pieces[k].log, pieces[other].log, first[k] - first[other]) for k, other in found.items()}
 
 
 def _overlap_words(piece: Piece, other: Piece, zone: tzinfo) -> str:

@@ -11,13 +11,18 @@ from jointwear.monitor.reading.windows import WindowStatistics
 
 def torque_marks(statistics: WindowStatistics) -> tuple | None:
     """Return what the torques of two logs have in common only where each sample is that of the other; None of a log
-    that shows no friction, as the torques of a robot at rest may well be those of yesterday.
+    that shows no friction, as the torques of a robot at rest may well be those of yesterday, or that has no dates.
 
     The numbers of samples in every bin of the histogram of each axis, and the largest torques, depend on no time and no
     window. Two runs of one program differ in them by their noise: in a few hundred bins, each by the root of its number
     of samples.
     """
-    if not statistics.windows or not statistics.count.any() or not statistics.torque_histogram.any():
+    if (
+        not statistics.windows
+        or not statistics.dated
+        or not statistics.count.any()
+        or not statistics.torque_histogram.any()
+    ):
         return None
     histogram = np.asarray(statistics.torque_histogram, dtype=np.int64).sum(axis=0)
     # Rounded, because formats keep numbers to different digits.
@@ -33,7 +38,7 @@ def replayed(
     apart: Set[int],
 ) -> dict[int, int]:
     """Return, by its place, every log that holds the torques of another one under other times, with the other's place:
-    that of the first of them in time, or by name where none has a date.
+    that of the first of them in time.
 
     Parameters
     ----------
@@ -52,20 +57,16 @@ def replayed(
         alike.setdefault(marks, []).append(k)
     found = {}
     for same in alike.values():
-        dated = all(statistics[k].dated for k in same)
-        original = min(same, key=lambda k: first[k]) if dated else same[0]
+        original = min(same, key=lambda k: first[k])
         found |= {k: original for k in same if k != original}
     return found
 
 
 def replayed_words(log: str, other: str, apart: float) -> str:
-    """Return in words that a log holds the torques of another one; `apart`: by how many seconds later, NaN without
-    dates."""
+    """Return in words that a log holds the torques of another one, `apart` [s] before."""
     hours = abs(apart) / 3600
-    when = (
-        "" if not np.isfinite(apart) else f", {hours / 24:.0f} days later" if hours >= 48 else f", {hours:.3g} h later"
-    )
+    when = f"{hours / 24:.0f} days later" if hours >= 48 else f"{hours:.3g} h later"
     return (
-        f"{log}: holds the torques of {other} to the last sample under other times{when}, which two measurements "
+        f"{log}: holds the torques of {other} to the last sample under other times, {when}, which two measurements "
         "never do; was it replayed, or exported again with other dates? Leave it out, or write what was measured"
     )
