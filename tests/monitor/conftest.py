@@ -34,9 +34,9 @@ def surveyed_once():
 
 @pytest.fixture(scope="module")
 def no_pages():
-    """Pages say what the state says; drawing them would take most of the time of some tests."""
+    """Pages say what the state says; drawing them would take most of the time of some tests: they are empty."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(watch, "write_page", lambda *_: None)
+        patch.setattr(watch, "write_page", lambda state, output, *_: output.write_text(""))
         yield
 
 

@@ -128,6 +128,20 @@ def test_a_folder_that_is_gone_is_counted_until_it_is_there_again(tmp_path):
         assert begun(notes, tmp_path) == {"two": times}
 
 
+@pytest.mark.parametrize("file", ["state.nc", "alarms.csv", "history.parquet", "monitor.html"])
+def test_a_file_of_a_judgement_that_is_gone_asks_for_the_job(tmp_path, file):
+    rows = [{"robot": "arm", "folder": "arm", "result": "judged", "page": "monitor.html"}]
+    (tmp_path / "arm").mkdir()
+    for name in (WHOSE, "state.nc", "alarms.csv", "history.parquet", "monitor.html"):
+        (tmp_path / "arm" / name).touch()
+    write_json(tmp_path / "notes.json", noted(rows, {}))
+    assert begun(tmp_path / "notes.json", tmp_path) == {}
+    (tmp_path / "arm" / file).unlink()
+    assert begun(tmp_path / "notes.json", tmp_path) == {"arm": 1}
+    write_json(tmp_path / "notes.json", noted([{**rows[0], "result": "refused", "page": None}], {}))
+    assert begun(tmp_path / "notes.json", tmp_path) == {}, "a robot that is refused has no such files"
+
+
 @pytest.mark.parametrize(
     "text", ["", "[1]", '{"begun": 3, "folders": {}}', '{"begun": {"a": "x"}, "folders": {}}', "{}"]
 )

@@ -12,6 +12,7 @@ from jointwear.monitor.fleet import reading, watch
 from jointwear.monitor.fleet.plan import seen
 from jointwear.monitor.fleet.watch import watch_robot, watch_robots
 from jointwear.monitor.presentation.page import write_page
+from jointwear.publishing.report import rendering
 
 pytestmark = pytest.mark.usefixtures("surveyed_once", "no_pages")
 ENTRY = {"logs": ["logs/*"], "robot": str(ROBOT), "window": "12s", "baseline": {"windows": 8}}
@@ -54,6 +55,27 @@ def test_logs_read_in_two_processes_say_what_they_say_in_one(logs, tmp_path):
     assert (alone["logs_read"], alone["refused_logs"]) == (6, 1)
     one, other = (tmp_path / name / "robots/arm/windows" for name in ("alone", "together"))
     assert [p.read_bytes() for p in sorted(one.iterdir())] == [p.read_bytes() for p in sorted(other.iterdir())]
+
+
+@pytest.mark.parametrize("file", ["state.nc", "alarms.csv", "history.parquet", "monitor.html"])
+def test_a_file_that_is_gone_is_written_again(logs, tmp_path, monkeypatch, file):
+    monkeypatch.setattr(watch, "write_page", lambda state, output, *_: output.write_text("page"))
+    watched(logs, tmp_path, page=True)
+    (tmp_path / "robots/arm" / file).unlink()
+    assert watched(logs, tmp_path, page=True)["logs_read"] == 0
+    assert (tmp_path / "robots/arm" / file).is_file()
+
+
+def test_an_edit_of_a_template_writes_the_page_anew(logs, tmp_path, monkeypatch):
+    written = []
+    monkeypatch.setattr(watch, "write_page", lambda state, output, *_: written.append(output.write_text("page")))
+    templates = shutil.copytree(rendering.TEMPLATES, tmp_path / "report")
+    monkeypatch.setattr(rendering, "TEMPLATES", templates)
+    watched(logs, tmp_path, page=True)
+    for name, times in (("fleet.html.j2", 1), ("monitor.html.j2", 2), ("style.css", 3), ("robots.html.j2", 4)):
+        (templates / name).write_text((templates / name).read_text() + "\n")
+        watched(logs, tmp_path, page=True)
+        assert len(written) == times, name
 
 
 def test_a_log_that_sorts_first_costs_itself(logs, tmp_path):
@@ -134,6 +156,37 @@ def stopped_at(group, monkeypatch):
     monkeypatch.setattr(reading, "SAVE_EVERY", 1)
     monkeypatch.setattr(reading, "log_pieces", stopped)
     return lambda: monkeypatch.setattr(reading, "log_pieces", read)
+
+
+def surveys(monkeypatch):
+    """Return the list of the logs that are surveyed from now on."""
+    survey, found = reading.survey_logs, []
+    monkeypatch.setattr(reading, "survey_logs", lambda log, *more: (found.append(log), survey(log, *more)))
+    return found
+
+
+def test_another_version_of_the_library_surveys_the_first_log_anew(logs, tmp_path, monkeypatch):
+    """As `monitor` does: how all logs are read comes from it."""
+    watched(logs, tmp_path)
+    found = surveys(monkeypatch)
+    early = columns(make_log(36.0, seed=9, start=START - 600.0))
+    logs.insert(0, str(write_parquet(tmp_path / "logs/a.parquet", early)))
+    monkeypatch.setattr(watch, "code_of", lambda script: f"another {script}")
+    assert watched(logs, tmp_path)["logs_read"] == 5
+    assert found == [logs[1]], "a log that sorts first is not the first that was read"
+    assert watched(logs, tmp_path)["logs_read"] == 0
+    assert len(found) == 1
+
+
+def test_windows_of_logs_that_are_gone_keep_their_survey(logs, tmp_path, monkeypatch):
+    watched(logs, tmp_path)
+    found = surveys(monkeypatch)
+    monkeypatch.setattr(watch, "code_of", lambda script: f"another {script}")
+    for there, read in ((logs[1:], 3), (logs[:3], 1)):
+        row = watched(there, tmp_path)
+        assert (row["result"], row["logs_read"], row["kept_logs"], found) == ("judged", read, 1, [])
+    assert watched(logs, tmp_path)["logs_read"] == 4, "all are read with the new survey once all are back"
+    assert found == [logs[0]]
 
 
 def test_an_upgrade_that_is_stopped_reads_the_other_logs_at_the_next_call(logs, tmp_path, monkeypatch):

@@ -18,6 +18,8 @@ ROBOTS_PER_JOB, FEWEST_PER_JOB, JOBS = 50, 5, 16
 MOST_PROCESSES = 4
 #: What marks the folder of a robot, whose it is: the first file that is written there.
 WHOSE = "whose.txt"
+#: Files of every judgement; a page is written where there is something to check.
+JUDGEMENT = ("state.nc", "alarms.csv", "history.parquet")
 
 
 def robots_of_job(count: int) -> int:
@@ -46,7 +48,8 @@ def seen(logs: Sequence[str], reason: str = "") -> str:
 
 
 def begun(known: str | Path, folder: str | Path) -> dict[str, int]:
-    """Return how often each robot of a job was or has to be begun anew because its folder had been taken away.
+    """Return how often each robot of a job was or has to be looked at again because files of it had been taken away:
+    its whole folder, or a file of its judgement.
 
     A parameter of the job, which runs again where it changes. It has to stay once the job has made the folder again, so
     the job notes it.
@@ -58,23 +61,35 @@ def begun(known: str | Path, folder: str | Path) -> dict[str, int]:
 
     Returns
     -------
-    dict : by name, of the robots that were begun anew at all.
+    dict : by name, of the robots of which files were gone at all.
     """
     try:
         notes = read_json(known)
         counts = {str(name): int(times) for name, times in notes["begun"].items()}
         folders = {str(name): Path(folder) / str(own) for name, own in notes["folders"].items()}
+        files = {str(name): [str(file) for file in written] for name, written in notes.get("files", {}).items()}
     except (InputError, OSError, KeyError, TypeError, ValueError, AttributeError):
         return {}
     for name, own in folders.items():
-        if not (own / WHOSE).is_file():
+        if not all((own / file).is_file() for file in (WHOSE, *files.get(name, ()))):
             counts[name] = counts.get(name, 0) + 1
     return counts
 
 
 def noted(rows: Sequence[Mapping[str, Any]], counts: Mapping[str, int]) -> dict[str, dict[str, Any]]:
     """Return what :func:`begun` wants to know the next time, from the rows of robots and what it said before."""
-    return {"folders": {row["robot"]: row["folder"] for row in rows}, "begun": dict(counts)}
+    return {
+        "folders": {row["robot"]: row["folder"] for row in rows},
+        "files": {row["robot"]: _written(row) for row in rows},
+        "begun": dict(counts),
+    }
+
+
+def _written(row: Mapping[str, Any]) -> list[str]:
+    """Return the files of a robot's judgement, by its row; a robot that is refused has none."""
+    if row.get("result") != "judged":
+        return []
+    return [*JUDGEMENT, *([row["page"]] if row.get("page") else [])]
 
 
 def stamp_of(log: str) -> list[list[str | int]]:

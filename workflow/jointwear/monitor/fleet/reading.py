@@ -47,7 +47,7 @@ SURVEY_TRIES = 3
 ANEW, BASELINE = "anew", "baseline.nc"
 
 #: What the record keeps.
-_KEPT = ("settings", "code", "judged", "misfits", "logs")
+_KEPT = ("settings", "code", "surveyed", "judged", "misfits", "logs")
 _TEXT = {"type": "string"}
 #: Layout of `read.json`; statistics lie in the robot's own folder.
 _RECORD = {
@@ -56,6 +56,8 @@ _RECORD = {
     "properties": {
         "settings": _TEXT,
         "code": _TEXT,
+        # Digest of the library that surveyed the first log.
+        "surveyed": _TEXT,
         "judged": _TEXT,
         # First logs that contradicted the model, so that a later one was surveyed.
         "misfits": {"type": "array", "items": _TEXT},
@@ -84,6 +86,7 @@ class Readings:
             known = {"logs": self._kept_logs()}  # everything is read again
         self.settings: str = known.get("settings", "")
         self.code: str = known.get("code", "")
+        self.surveyed: str = known.get("surveyed", "")
         self.judged: str = known.get("judged", "")
         self.misfits: list[str] = known.get("misfits", [])
         self.logs: dict[str, dict[str, str]] = known.get("logs", {})
@@ -142,7 +145,7 @@ class Readings:
     @property
     def stamp(self) -> str:
         """A digest of all that was read."""
-        return digest([self.settings, self.code, self.logs])
+        return digest([self.settings, self.code, self.surveyed, self.logs])
 
     def pieces(self, logs: Sequence[str] | None = None) -> list[Piece]:
         """Return the statistics of all logs in their order; those that are not among `logs` are marked as gone."""
@@ -180,16 +183,21 @@ class Readings:
             self.logs = {}
             self._survey(entry, logs)
             (self.own / BASELINE).unlink(missing_ok=True)
-            self.settings = settings
+            self.settings, self.surveyed = settings, code
             self.save()
         return self._read_new(entry, logs, code, processes)
 
     def _read_new(self, entry: Mapping[str, Any], logs: Sequence[str], code: str, processes: int) -> int:
         """Read what is new or has changed, or was read by another version of the library, a group of logs at a time."""
-        if code != self.code:
+        first = self._first_logs(logs) if code != self.surveyed else []
+        if code != self.code or first:
             # Marked before the first is read: what an interrupted call does not come to, the next one reads.
             self.logs = {log: kept | {"stamp": ""} for log, kept in self.logs.items()}
             self.code = code
+            self.save()
+        if first:
+            self._survey(entry, first)
+            self.surveyed = code
             self.save()
         reading, stamps = _reading_keys(entry), {log: digest(stamp_of(log)) for log in logs}
         wanted = [
@@ -224,6 +232,18 @@ class Readings:
         self.save()
         self._remove_unused()
         anew.remove()
+
+    def _first_logs(self, logs: Sequence[str]) -> list[str]:
+        """Return the logs that another version of the library surveys anew, those first that were tried before.
+
+        None while a log that was read is away, the first one above all: its windows were read with the survey that
+        there is, and compare with no others.
+        """
+        was = read_survey(self.survey).log
+        if was not in logs or not set(self.logs) <= set(logs):
+            return []
+        tried = [log for log in (*self.misfits, was) if log in logs]
+        return tried + [log for log in logs if log not in tried]
 
     def _survey(self, entry: Mapping[str, Any], logs: Sequence[str]) -> None:
         reading, refused = _reading_keys(entry), None

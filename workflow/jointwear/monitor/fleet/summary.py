@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Sequence
 from datetime import tzinfo
@@ -59,13 +60,21 @@ def summarise_fleet(
     found = [_in_zone(row, zone) for row in ranked([as_of(row, now, stale_after) for row in read_rows(batches)])]
     write_table(found, table)
     write_metrics(found, now, metrics)
-    parts = [Path(folder) / row["folder"] / "history.parquet" for row in found if row["result"] == "judged"]
-    join_histories([part for part in parts if part.is_file()], history)
+    join_histories(_histories(found, Path(folder)), history)
     left = left_folders(Path(folder), {row["folder"] for row in found}, configuration)
     write_json(rows, {"now": now, "robots": found, "left": left})
     link = Path(folder).relative_to(Path(page).parent).as_posix()
     waiting = Outbox.open(outbox).waiting if outbox else []
     write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])
+
+
+def _histories(rows: Sequence[dict], folder: Path) -> list[Path]:
+    """Return the files of the histories of judged robots; one that was deleted since is told of, and stops nothing."""
+    parts = [folder / row["folder"] / "history.parquet" for row in rows if row["result"] == "judged"]
+    for part in parts:
+        if not part.is_file():
+            print(f"{part} is gone: its robot is not in the history until the next call writes it", file=sys.stderr)
+    return [part for part in parts if part.is_file()]
 
 
 def _in_zone(row: dict, zone: tzinfo) -> dict:

@@ -15,7 +15,7 @@ from jointwear.files.json_documents import write_json
 from jointwear.files.text_files import remove
 from jointwear.monitor.fleet.folders import namesakes, own_folder
 from jointwear.monitor.fleet.history import write_history
-from jointwear.monitor.fleet.plan import noted
+from jointwear.monitor.fleet.plan import JUDGEMENT, noted
 from jointwear.monitor.fleet.ranking import asks
 from jointwear.monitor.fleet.reading import Readings
 from jointwear.monitor.judging.state import read_state
@@ -25,13 +25,14 @@ from jointwear.monitor.presentation.condition import CHANGED, HEALTHY, UNRESOLVE
 from jointwear.monitor.presentation.page import write_page
 from jointwear.monitor.presentation.standing import NOTHING, standing
 from jointwear.monitor.stages import judge_pieces
+from jointwear.publishing.report.rendering import digest_of_page
 from jointwear.running.modules import code_of
 from jointwear.running.script import with_suggestion
 
 #: Robots of a fleet up to which each gets a page; in a larger one those on which something is to be checked.
 PAGES = 50
-#: Files of a judgement, which a robot that is refused must not leave behind.
-JUDGEMENT = ("state.nc", "alarms.csv", "monitor.html", "history.parquet")
+#: The page of a robot, and its template.
+PAGE, TEMPLATE = "monitor.html", "monitor.html.j2"
 
 
 def watch_robot(
@@ -73,7 +74,7 @@ def watch_robot(
         told = namesakes(own, folder, name)
         row.update(_judged(own, name, entry, readings, logs, told=told, time_zone=time_zone, page=page))
         row["kept_logs"] = len(set(readings.logs) - set(logs))
-        row["page"] = "monitor.html" if (own / "monitor.html").is_file() else None
+        row["page"] = PAGE if (own / PAGE).is_file() else None
         return row
     except InputError as error:
         reason = with_suggestion(error)
@@ -82,7 +83,8 @@ def watch_robot(
     except Exception as error:  # a robot that breaks the library must not cost the others their judgement
         traceback.print_exc(file=sys.stderr)
         reason = f"internal error, please report it: {type(error).__name__}: {error}"
-    for file in JUDGEMENT:
+    # A robot that is refused must not leave the files of an earlier judgement behind.
+    for file in (*JUDGEMENT, PAGE):
         remove(own / file)
     refused = {"logs": len(logs), "refused_logs": len(logs)}
     return {**row, **NOTHING, **refused, "result": "refused", "reason": " ".join(reason.split())}
@@ -99,7 +101,8 @@ def _judged(
     time_zone: str | None,
     page: bool,
 ) -> dict[str, Any]:
-    """Return how a robot stands, judged anew where anything that it depends on has changed since it was judged last.
+    """Return how a robot stands, judged anew where anything that it depends on has changed since it was judged last, or
+    a file of that judgement is gone.
 
     Parameters
     ----------
@@ -109,9 +112,11 @@ def _judged(
     code = code_of("judge_windows")
     judging = [entry, model_of(entry["robot"]), readings.stamp, code, code_of("watch_fleet")]
     judging += [told, sorted(set(readings.logs) - set(logs))]
-    judged = digest([judging, time_zone, page])
-    if judged == readings.judged and (own / "state.nc").is_file():
-        return standing(read_state(own / "state.nc"))
+    judged = digest([judging, time_zone, page, digest_of_page(TEMPLATE)])
+    if judged == readings.judged and all((own / file).is_file() for file in JUDGEMENT):
+        found = standing(read_state(own / "state.nc"))
+        if (own / PAGE).is_file() or not (page or _needs_page(found)):
+            return found
     readings.judged = ""
     recall = read_recall(own / "recall.json", code)
     judge_pieces(
@@ -129,15 +134,20 @@ def _judged(
     state = read_state(own / "state.nc")
     found = standing(state)
     write_history(own / "history.parquet", state, name)
-    levels = {axis["level"] for axis in found["axes"]}
-    refused = found["refused_newest"] or found["unfinished"]
-    if page or asks(found) or refused or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED}:
-        write_page(state, own / "monitor.html", own / "figures", time_zone)
+    if page or _needs_page(found):
+        write_page(state, own / PAGE, own / "figures", time_zone)
     else:
-        (own / "monitor.html").unlink(missing_ok=True)
+        (own / PAGE).unlink(missing_ok=True)
     readings.judged = judged
     readings.save()
     return found
+
+
+def _needs_page(found: Mapping[str, Any]) -> bool:
+    """Return whether something is to be checked on a robot, which then has a page in a fleet of any size."""
+    levels = {axis["level"] for axis in found["axes"]}
+    refused = found["refused_newest"] or found["unfinished"]
+    return bool(asks(found) or refused or HEALTHY not in levels or levels & {CHANGED, UNRESOLVED})
 
 
 def watch_robots(

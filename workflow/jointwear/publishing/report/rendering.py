@@ -13,9 +13,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, meta
 from markupsafe import Markup
 
+from jointwear.files.digests import digest
 from jointwear.files.wording import count
 from jointwear.publishing.report import numbers
 
@@ -74,3 +75,21 @@ def render_page(template: str, context: Mapping[str, Any]) -> str:
     """Render one page; `template` is a file under report/, as `index.html.j2`."""
     text = environment().get_template(template).render(**context)
     return "\n".join(line.rstrip() for line in text.splitlines() if line.strip()) + "\n"
+
+
+def digest_of_page(template: str) -> str:
+    """Return a digest of a template under report/ and of all that it extends, imports or includes, as they are now."""
+    return digest([[name, (TEMPLATES / name).read_text(encoding="utf-8")] for name in _parts_of(TEMPLATES, template)])
+
+
+@cache
+def _parts_of(templates: Path, template: str) -> tuple[str, ...]:
+    """Return a template and the files that go into its page, found once a process."""
+    env, found, waiting = _environment(templates), [], [template]
+    while waiting:
+        name = waiting.pop()
+        found.append(name)
+        text = (templates / name).read_text(encoding="utf-8")
+        parts = meta.find_referenced_templates(env.parse(text)) if name.endswith(".j2") else ()
+        waiting += [part for part in parts if part is not None and part not in (*found, *waiting)]
+    return tuple(sorted(found))
