@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery import Discovery, discover
+from jointwear.discovery import Discovery, discover, pipeline
 from jointwear.discovery.findings import make_verdict
 from jointwear.measurement.recording import split
 from jointwear.measurement.refused import Refused
@@ -36,12 +36,33 @@ def test_nothing_hidden_names_nothing(nothing):
     assert not nothing.data["retuned"]
 
 
-def test_a_held_out_record_that_is_another_robots_is_not_nothing(robot, nothing):
-    """Nothing was missing, said the heading, beside 40 times the noise on held-out motion."""
+@pytest.fixture(scope="module")
+def contradicted(robot):
+    """The verdict on the same robot, with a held-out record that is another one's."""
     case = split(make_case(robot, 1))
     held, torque = np.isin(case.trajectory, case.test), case.torque.copy()
     torque[held, 2] *= -1.0
-    verdict = discover(replace(case, torque=torque), robot)
+    return discover(replace(case, torque=torque), robot)
+
+
+def test_the_files_are_decided_before_the_held_out_records_are_looked_at(contradicted, monkeypatch):
+    """A correction that no evidence asks for was written where held-out records alone contradict."""
+    problem, final = contradicted.problem, contradicted.final
+    little = final.delta_friction + np.array([0.0, 0.0, 1e-6, 0.0])
+    fitted = pipeline.write_files(problem, replace(final, delta_friction=little, retuned_friction=little))
+    for name in ("search_beside", "repeat", "with_kept_sizes"):
+        monkeypatch.setattr(pipeline, name, lambda outcome, *_: outcome)
+    monkeypatch.setattr(pipeline, "sound_files", lambda *_: fitted)
+    found = pipeline._judge(contradicted.recording, final.outcome, [])
+    assert (found.verdict, found.data["retuned"]) == ("unknown", [])
+    for kind, file in contradicted.files.items():
+        assert fitted[1][kind].data != file.data
+        assert found.files[kind].data == file.data
+
+
+def test_a_held_out_record_that_is_another_robots_is_not_nothing(contradicted, nothing):
+    """Nothing was missing, said the heading, beside 40 times the noise on held-out motion."""
+    verdict = contradicted
     assert verdict.verdict == "unknown"
     assert not verdict.effects
     told = [r for r in verdict.data["restrictions"] if "the test trajectories disagree with the model" in r]

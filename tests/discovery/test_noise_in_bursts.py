@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.findings import _noise_in_bursts, _without_bursts
+from jointwear.discovery.held_out import _noise_in_bursts, _without_bursts
 from jointwear.discovery.noise.bursts import FEWEST_CHANGES, heaviest_noise, loudest_share, rings
 from jointwear.discovery.presentation.page import heading, lead
 from jointwear.discovery.verdict import Gap

@@ -1,5 +1,7 @@
 """Samples that cannot be judged, ends of records, and noise that looks back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,3 +52,10 @@ def test_records_of_one_length_are_filtered_as_each_alone():
         record = np.repeat(np.arange(len(lengths)), lengths)
         alone = [low_pass(columns[record == k], 7.0, 50.0) for k in range(len(lengths))]
         assert np.array_equal(limit(columns, record, 7.0, 50.0), np.concatenate(alone))
+
+
+def test_another_problem_begins_without_what_was_made_of_the_first(white):
+    """What was kept of a problem stayed with its copies, whose noise may be another."""
+    first = replace(white)
+    first._states["made of its fields"] = 1.0
+    assert replace(first, whiteners=[w and replace(w, sigma=2.0 * w.sigma) for w in first.whiteners])._states == {}

@@ -3,7 +3,8 @@
 import pytest
 
 from jointwear.discovery import findings
-from jointwear.discovery.findings import _above_the_noise, _noise_too_high, _with_told_floor, make_verdict
+from jointwear.discovery.findings import make_verdict
+from jointwear.discovery.held_out import _above_the_noise, _noise_too_high, _with_told_floor
 from jointwear.discovery.presentation.page import (
     below_the_floor,
     body_in_words,

@@ -10,7 +10,7 @@ import numpy as np
 
 from jointwear.discovery.estimates.outcome import Outcome, Unexplained
 from jointwear.discovery.experiment import Experiment, propose
-from jointwear.discovery.findings import make_verdict
+from jointwear.discovery.findings import in_training, make_verdict
 from jointwear.discovery.model.estimation import Final
 from jointwear.discovery.model.kept_sizes import with_kept_sizes
 from jointwear.discovery.model.sound_files import sound_files, unchanged_files, write_files
@@ -39,7 +39,7 @@ from jointwear.discovery.search.shared_delay import (
 from jointwear.discovery.search.slow_noise import beside_slow_noise
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.undecided import NUMERICAL, reason
-from jointwear.discovery.verdict import NONE, Verdict
+from jointwear.discovery.verdict import NONE, UNKNOWN, Verdict
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks.other_zero import ANOTHER_ZERO, zero_in_words
 from jointwear.measurement.checks.silent_joints import moving_torques
@@ -134,7 +134,8 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
 
     Parameters
     ----------
-    recording : measured motion and torque; its `test` trajectories take no part in any choice.
+    recording : measured motion and torque. Its `test` trajectories choose no effect, no parameter and no robot file;
+        where they contradict what the others say, the verdict is unknown.
     robot : the nominal model, its own effects included.
     settings : default :class:`Settings`.
 
@@ -192,11 +193,10 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Dis
         restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
     restrictions = [*restrictions, *links_in_words(outcome)]
     final, files, torques = sound_files(problem, outcome)
+    if in_training(final) == NONE:
+        final, files, torques = unchanged_files(problem, final)
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
-    if content.verdict == NONE:
-        final, files, torques = unchanged_files(problem, final)
-        content = make_verdict(recording.name, final, seen, torques, restrictions)
     return Discovery(recording, content, final, seen, files, torques)
 
 
@@ -206,5 +206,5 @@ def _undecided(recording: Recording, problem: Problem, restrictions: list[str], 
     nothing = drives, np.zeros((n, 4)), np.zeros(10 * n), drives, np.zeros(10 * n)
     final = Final(Outcome(problem, None, None, None), None, np.ones(n), None, (), *nothing, misfits=(why,))
     final, files, torques = write_files(problem, final)
-    content = replace(make_verdict(recording.name, final, [], torques, restrictions), verdict="unknown", retuned=())
+    content = replace(make_verdict(recording.name, final, [], torques, restrictions), verdict=UNKNOWN, retuned=())
     return Discovery(recording, content, final, [], files, torques)

@@ -6,8 +6,8 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-#: Verdict on data that contradict nothing of the given robot.
-NONE = "none"
+#: Words of a verdict; `NONE` is that on data that contradict nothing of the given robot.
+NONE, RETUNED, EFFECTS, UNKNOWN = "none", "retuned", "effects", "unknown"
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,6 @@ class NamedEffect:
     parameters: dict[str, Quantity]
     regime: Regime
     peak_torque: PeakTorque
-    form_corrected: bool
     evidence_nats: float
     probability: float
     log_odds: float
@@ -278,6 +277,7 @@ class Verdict:
     bodies : that would explain corrected link masses.
     builds_up : joints whose friction builds up with the speed, which was put right before anything was asked.
     free_identification : RMS error [N m] of a fit of all parameters without a prior, per axis.
+    filter_cutoff_hz : of the filter that derived velocity and acceleration, per axis; None where none did.
     """
 
     dataset: str

@@ -91,7 +91,6 @@ class Outcome:
     white: White | None
     fit: Fit | None
     dictionary: Dictionary | None
-    refused: set = field(default_factory=set)
     named: list[Named] = field(default_factory=list)
     unexplained: list[Unexplained] = field(default_factory=list)
     profile: list[Unexplained] = field(default_factory=list)

@@ -53,7 +53,8 @@ class White:
     directions: np.ndarray
     cutoffs: list[Cutoffs]
     gears: Mapping[int, float] = field(default_factory=dict)
-    _states: dict[tuple, Any] = field(default_factory=dict, repr=False)
+    # What was made of these fields: another problem begins with none.
+    _states: dict[tuple, Any] = field(init=False, default_factory=dict, repr=False)
 
     def state_of(
         self,
@@ -126,7 +127,7 @@ class White:
 
     def beside_gears(self, gears: Mapping[int, float]) -> White:
         """Return the same problem once it is known that the residual of some axes holds an elastic gear."""
-        return replace(self, gears=dict(gears), _states={}) if gears else self
+        return replace(self, gears=dict(gears)) if gears else self
 
     def fuses_load(self, effect: Effect, axis: int) -> bool:
         """Return whether the columns of an effect on one axis are of a load that is told by the measured torque too."""

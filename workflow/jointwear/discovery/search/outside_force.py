@@ -63,7 +63,7 @@ def force_beside(white: White, named: Sequence[Named]) -> Term | None:
 def beside_force(white: White, dictionary: Dictionary, term: Term) -> tuple[White, Dictionary]:
     """Return the problem with a force at the flange among the terms of its base, and what is looked for beside it."""
     single = [one for one in dictionary.whole if one[0].axis is not None]
-    return replace(white, base=[*white.base, term], _states={}), replace(dictionary, whole=single)
+    return replace(white, base=[*white.base, term]), replace(dictionary, whole=single)
 
 
 def force_of(white: White, term: Term, named: Sequence[Named]) -> np.ndarray | None:

@@ -101,8 +101,9 @@ def _end(
 
     Parameters
     ----------
-    part, noise : (w, k) what is left of the step, and its variance. names : (s,) of all shifts, which begins with
-        `first`.
+    part, noise : (w, k) what is left of the step, and its variance. shift : (w,) shift of each window.
+    names : (s,) of the shifts that are asked, in order. first : place in `names` of the shift that shows the step.
+    baseline : (w,) windows of the normal period.
     """
     left = np.full((len(names), part.shape[1]), np.nan)
     for a in range(first + 2, len(names)):

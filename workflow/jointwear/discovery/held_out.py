@@ -1,0 +1,230 @@
+"""What the test trajectories say once everything is decided: the gap, its noise floor, and whether they contradict.
+
+They choose no effect, no parameter and no robot file. They can only make a verdict `unknown`: a model that training
+cannot fault, and that fails on motion that it has not seen, is not called complete.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jointwear.discovery.model.final_model import Final
+from jointwear.discovery.model.noise_floor import floor_with_names
+from jointwear.discovery.noise.bursts import rings
+from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.verdict import AboveNoise, Gap
+from jointwear.files.json_values import six_digits
+from jointwear.files.wording import numbered
+
+#: Times the held-out error of the augmented model above which an estimate of noise holds what the model lacked: between
+#: two records noise of a sensor does not differ as much.
+ABOVE_ALL = 2.0
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """What the test trajectories say of the files that were written; axes count from 1.
+
+    Attributes
+    ----------
+    gap : RMS errors, with a noise floor that is told. unsure : axis -> estimate of its noise [N m] that was too high.
+    ringing : axis -> noise [N m] that comes in bursts. above : axes whose error stays above the noise.
+    alone : axes that disagree here alone, where nothing has a name. suspected : axes above the noise on which an
+        effect is only suspected.
+    to_the_noise : whether the error is near the floor on every axis that has both.
+    """
+
+    gap: Gap
+    unsure: Mapping[int, float]
+    ringing: Mapping[int, float]
+    above: tuple[AboveNoise, ...]
+    alone: tuple[int, ...]
+    suspected: tuple[int, ...]
+    to_the_noise: bool
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether more is there than training has a name for."""
+        return bool(self.alone or self.suspected or self.ringing)
+
+    def in_words(self) -> Iterable[str]:
+        """Yield what a reader has to know of it."""
+        yield from _noise_too_high(self.gap, self.unsure)
+        yield from _noise_in_bursts(self.ringing)
+        yield from _held_out_alone(self.alone, self.above)
+        yield from _without_a_name(self.suspected, self.above)
+
+
+def held_out(final: Final, torques: Mapping[str, np.ndarray]) -> HeldOut:
+    """Ask the test trajectories about a model whose files are written.
+
+    Parameters
+    ----------
+    torques : (m, n) [N m] of the nominal, retuned and augmented model.
+    """
+    outcome, problem = final.outcome, final.outcome.problem
+    left = {u.axis for u in outcome.unexplained}
+    gap, unsure = _with_told_floor(measure_gap(problem, torques, floor_with_names(final)), problem.too_coarse)
+    gap, ringing = _without_bursts(problem, torques["augmented"], gap, left)
+    margin = problem.settings.near_the_floor
+    above = _above_the_noise(gap, margin)
+    named = bool(final.estimates or final.unwritten)
+    return HeldOut(
+        gap,
+        unsure,
+        ringing,
+        above,
+        alone=() if named or left else tuple(_only_held_out(problem, above, gap)),
+        suspected=() if left else tuple(_suspected(final, above)),
+        to_the_noise=_to_the_noise(gap, margin),
+    )
+
+
+def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iterable[float | None]) -> Gap:
+    """Return the RMS error of every model over moving samples of the test trajectories, with the noise floor.
+
+    Parameters
+    ----------
+    torques : model -> torque (m, n) [N m]. floor : RMS of the noise [N m] of each axis, None where it is not judged.
+    """
+    usable = problem.measured.usable & problem.test[:, None]
+
+    def errors(kind: str) -> tuple[float | None, ...]:
+        square = (problem.measured.torque - torques[kind]) ** 2
+        return tuple(
+            six_digits(np.sqrt(np.mean(square[usable[:, j], j]))) if usable[:, j].any() else None
+            for j in range(square.shape[1])
+        )
+
+    return Gap(
+        errors("nominal"),
+        errors("retuned"),
+        errors("augmented"),
+        tuple(None if f is None else six_digits(f) for f in floor),
+    )
+
+
+def _with_told_floor(gap: Gap, coarse: Collection[int]) -> tuple[Gap, dict[int, float]]:
+    """Return the gap with a noise floor that is told, and of which axes, from 1, an estimate [N m] was too high.
+
+    None is told of axes too coarse in time (`coarse`, 0-based). Noise is no more than what the augmented model leaves
+    of motion that it has not seen.
+    """
+    floor, unsure = list(gap.noise_floor), {}
+    for axis, (left, noise) in enumerate(zip(gap.augmented, gap.noise_floor, strict=True)):
+        if axis in coarse:
+            floor[axis] = None
+        elif left is not None and noise is not None and noise > ABOVE_ALL * left:
+            floor[axis], unsure[axis + 1] = left, noise
+    return replace(gap, noise_floor=tuple(floor)), unsure
+
+
+def _noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
+    """Yield in words of which axes the noise was estimated higher than all that is left of the held-out motion."""
+    for axis, noise in unsure.items():
+        yield (
+            f"joint {axis}: noise was estimated as {noise:.2g} N m, while the augmented model leaves "
+            f"{gap.augmented[axis - 1]:.2g} N m of the held-out motion: the estimate holds what the model lacked, or "
+            "noise of the training trajectories alone, and what is smaller may be missed; log at a higher rate"
+        )
+
+
+def _without_bursts(
+    problem: Problem, model: np.ndarray, gap: Gap, explained: Collection[int]
+) -> tuple[Gap, dict[int, float]]:
+    """Return the gap with a floor that no joint rings above, and of which axes, from 1, the noise [N m] was ringing.
+
+    Parameters
+    ----------
+    model : (m, n) [N m] torque of the augmented model. explained : axes, from 0, of which it is said already that more
+        than noise is left.
+    """
+    measured, floor, ringing = problem.measured, list(gap.noise_floor), {}
+    for axis, noise in enumerate(gap.noise_floor):
+        if noise is None or axis in explained:
+            continue
+        torque, usable = measured.torque[:, axis], measured.usable[:, axis]
+        if rings(noise, torque - model[:, axis], torque, usable, measured.trajectory):
+            left = gap.augmented[axis]
+            floor[axis], ringing[axis + 1] = noise if left is None else min(noise, left), noise
+    return replace(gap, noise_floor=tuple(floor)), ringing
+
+
+def _noise_in_bursts(ringing: Mapping[int, float]) -> Iterable[str]:
+    """Yield in words of which axes what was taken for noise is ringing."""
+    for axis, noise in ringing.items():
+        yield (
+            f"joint {axis}: what looks like noise there, {noise:.2g} N m, hides the torque and comes in bursts, which "
+            "no sensor's noise does; lost motion in the gear behind the encoder of the motor rings like "
+            "that, or a resonance that motion excites, or the torque signal is poor: what the model lacks there cannot "
+            "be told; compare motor and link with a second encoder, or look at the raw torque"
+        )
+
+
+def _above_the_noise(gap: Gap, margin: float) -> tuple[AboveNoise, ...]:
+    """Return the axes on which the held-out error stays above the noise floor by more than `margin`, and the ratio."""
+    return tuple(
+        AboveNoise(axis, float(f"{a / max(f, 1e-300):.4g}"))
+        for axis, (a, f) in enumerate(zip(gap.augmented, gap.noise_floor, strict=True), start=1)
+        if a is not None and f is not None and a > (1 + margin) * f
+    )
+
+
+def _to_the_noise(gap: Gap, margin: float) -> bool:
+    pairs = [(a, f) for a, f in zip(gap.augmented, gap.noise_floor, strict=True) if a is not None and f is not None]
+    return bool(pairs) and not _above_the_noise(gap, margin)
+
+
+def _only_held_out(problem: Problem, above: Sequence[AboveNoise], gap: Gap) -> list[int]:
+    """Return the axes, from 1, whose held-out error noise does not reach, though training shows nothing without a name.
+
+    It matters to a simulation too: below `smallest_share` of the torque even exact models differ.
+    """
+    result = []
+    for axis, ratio in ((a.axis, a.ratio) for a in above):
+        size = np.sqrt(np.nanmean(problem.measured.torque[problem.test, axis - 1] ** 2))
+        beyond = np.sqrt(gap.augmented[axis - 1] ** 2 - gap.noise_floor[axis - 1] ** 2)
+        if ratio > problem.settings.noise_sigmas and beyond > problem.settings.smallest_share * size:
+            result.append(axis)
+    return result
+
+
+def _held_out_alone(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[str]:
+    """Say which axes disagree with the model in the test trajectories alone, in one sentence or none."""
+    if not axes:
+        return []
+    words = (
+        f"{numbered('joint', axes)}: {_disagreement(axes, above)}, the training trajectories do not; look whether the "
+        "records of the test trajectories are sound (torque and motion of one record, sign, unit, the same robot), or "
+        "whether something acts there alone"
+    )
+    return [words]
+
+
+def _suspected(final: Final, above: Sequence[AboveNoise]) -> list[int]:
+    """Return the axes, from 1, on which an effect is suspected and the held-out error stays above the noise.
+
+    What it stood for is there, in training and in the test trajectories, and has no name.
+    """
+    axes = {one.candidate.axis for one, _ in final.suspects}
+    return [a.axis for a in above if None in axes or a.axis - 1 in axes]
+
+
+def _without_a_name(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[str]:
+    """Say which axes lack something for which an effect is only suspected, in one sentence or none."""
+    if not axes:
+        return []
+    words = (
+        f"{numbered('joint', axes)}: what the model lacks is like a suspected effect, but none of the library describes"
+        f" it; {_disagreement(axes, above)}"
+    )
+    return [words]
+
+
+def _disagreement(axes: Sequence[int], above: Sequence[AboveNoise]) -> str:
+    """Say by how much the test trajectories of some axes, from 1, disagree with the model."""
+    largest = max(a.ratio for a in above if a.axis in axes)
+    return f"the test trajectories disagree with the model by up to {largest:.2g} times the noise"
