@@ -179,7 +179,7 @@ def test_maps_cope_with_a_grid_that_the_paper_never_ran(tmp_path):
     ]
     write_table("table_iv", runs, tmp_path / "table_iv", {})
     draw_detection_map(tmp_path / "table_iv.nc", tmp_path / "map.svg")
-    assert "paper: not run" in text_of(tmp_path / "map.svg")
+    assert "not comparable" in text_of(tmp_path / "map.svg")
     write_table("table_ii", [], tmp_path / "table_ii", {})
     draw_lag_map(tmp_path / "table_ii.nc", tmp_path / "lags.svg", 1)
     assert "not in the grid" in text_of(tmp_path / "lags.svg")

@@ -8,6 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from jointwear.publishing.report.result_tables import score_detection, score_values
+from jointwear.reproduction import tables
 from jointwear.reproduction.grid import Cell
 from jointwear.reproduction.published import load_published
 from jointwear.reproduction.tables import COLUMNS, write_table
@@ -73,7 +75,7 @@ def test_published_numbers(root):
     paper = load_published(root / "config/paper/published.yaml")
     assert paper.detection_hour(Cell("T1", 10.0, 1)) == 60
     assert paper.detection_hour(Cell("T1", 10.0, 2)) is None
-    assert paper.evaluation_hour(Cell("T1", 10.0, 2), 120) == 120
+    assert paper.evaluation_hour(Cell("T1", 10.0, 2)) == 120
     assert paper.maximum_torque(Cell("T2", 20.0, 6)) == 0.928
     assert paper.variation(Cell("T3", 10.0, 4)) == 0.824
     assert paper.lag(5, 2) == 38
@@ -111,6 +113,31 @@ def test_a_table_has_its_columns_in_both_files(tmp_path):
         assert list(data.data_vars) == COLUMNS["table_v"].split()
         assert data.verdict.item() == "not comparable"
         assert data.reproduced.units == "N m"
+
+
+@pytest.mark.parametrize(("hours", "compared"), [(24, False), (120, True)])
+def test_an_hour_that_was_not_simulated_is_compared_with_nothing(root, monkeypatch, hours, compared):
+    """A run of 24 h printed a torque "at the paper's hour" 50, and was 32 h off in Table IV."""
+    paper, random = load_published(root / "config/paper/published.yaml"), np.random.default_rng(2)
+    ran = [Cell("T1", 20.0, 1), Cell("T1", 20.0, 2)]
+    assert [paper.detection_hour(cell) for cell in ran] == [50, None]
+    files = {
+        "hour": np.arange(1.0, hours + 1),
+        "onset": np.full(4, 18.0),
+        "source": np.ones(4),
+        "maximum_torque": 35.0 + 0.1 * np.arange(hours)[:, None] + random.normal(size=(4, 1, 6)),
+    }
+    monkeypatch.setattr(tables, "by_cell", lambda paths: dict.fromkeys(ran, "run.nc"))
+    monkeypatch.setattr(tables, "read_variables", lambda path, *names: [files[name] for name in names])
+    torque, detection = tables.table_v([], [], paper), tables.table_iv([], [], paper)
+    for row in (*torque, *detection):
+        assert (row["verdict"] != "not comparable") == compared
+    for row, hour in zip(torque, (50, 120), strict=True):
+        there = np.median(files["maximum_torque"][:, hour - 1, row["axis"] - 1]) if compared else np.nan
+        assert row["at_published_hour"] == pytest.approx(there, nan_ok=True)
+    score_detection(detection)
+    assert [row["error_h"] for row in detection] == [-32.0 if compared else None, None]
+    assert (score_values(torque, relative=True)["median_error"] is not None) == compared
 
 
 def test_an_empty_table_is_a_table(tmp_path):

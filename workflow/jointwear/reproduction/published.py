@@ -9,6 +9,9 @@ from typing import Any
 from jointwear.files.documents import read_yaml
 from jointwear.reproduction.grid import Cell
 
+#: Hours of wear of every run of the paper: "five days".
+HOURS = 120
+
 
 @dataclass(frozen=True)
 class Published:
@@ -34,9 +37,12 @@ class Published:
         """Hours to detection (Table IV); None where not detected or not run."""
         return self._entry("table_iv_detection_hours", cell)[1]
 
-    def evaluation_hour(self, cell: Cell, last: int) -> float:
-        """Hour at which Tables V and VI are taken: of detection, or `last` where nothing was detected."""
-        return self.detection_hour(cell) or last
+    def evaluation_hour(self, cell: Cell) -> float:
+        """Hour at which Tables V and VI are taken: of detection, or the last one where nothing was detected.
+
+        A run that ends before it cannot be compared with the paper's.
+        """
+        return self.detection_hour(cell) or HOURS
 
     def maximum_torque(self, cell: Cell) -> float | None:
         """Maximum |torque| [N m] (Table V)."""

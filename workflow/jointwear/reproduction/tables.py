@@ -15,7 +15,7 @@ from jointwear.files.storage import Variable, open_dataset, read_variable, read_
 from jointwear.files.text_files import replace_text
 from jointwear.reproduction.grid import Cell, by_cell
 from jointwear.reproduction.published import Published, load_published
-from jointwear.reproduction.verdicts import detection_verdict, torque_verdict, variation_verdict
+from jointwear.reproduction.verdicts import NOT_COMPARABLE, detection_verdict, torque_verdict, variation_verdict
 from jointwear.statistics.intervals import spread_over_replicates, wilson_interval
 
 Row = dict[str, Any]
@@ -63,7 +63,7 @@ def table_iv(detections: list[str], locations: list[str], published: Published) 
     located = by_cell(locations)
     rows = []
     for cell, path in by_cell(detections).items():
-        (onset,) = read_variables(path, "onset")
+        onset, hours = read_variables(path, "onset", "hour")
         (source,) = read_variables(located[cell], "source")
         detected = np.isfinite(onset)
         probability = float(detected.mean())
@@ -82,11 +82,16 @@ def table_iv(detections: list[str], locations: list[str], published: Published) 
                 "hour_high": hour_high,
                 "located_probability": float((source[detected] == cell.axis).mean()) if detected.any() else np.nan,
                 "verdict": detection_verdict(
-                    published.has(cell), hour_published, probability, hour, hour_low, hour_high
+                    _reached(published, cell, hours[-1]), hour_published, probability, hour, hour_low, hour_high
                 ),
             }
         )
     return rows
+
+
+def _reached(published: Published, cell: Cell, last: float) -> bool:
+    """Whether the paper ran this cell, and ours lasts, to hour `last`, until the paper's is evaluated."""
+    return published.has(cell) and published.evaluation_hour(cell) <= last
 
 
 def _at_hours(values: np.ndarray, hours: np.ndarray) -> np.ndarray:
@@ -103,11 +108,14 @@ def _torque_table(features: list[str], detections: list[str], published: Publish
         last = values.shape[1]
         (onset,) = read_variables(onset_files[cell], "onset")
         own = _at_hours(values, np.where(np.isnan(onset), last, onset))
-        at_published = values[:, int(min(published.evaluation_hour(cell, last), last)) - 1]
         median, low, high = spread_over_replicates(own)
-        there, there_low, there_high = spread_over_replicates(at_published)
-        value = printed(cell)
-        if name == "maximum_torque":
+        value, there = printed(cell), (np.nan, np.nan, np.nan)
+        reached = _reached(published, cell, last)
+        if reached:
+            there = spread_over_replicates(values[:, int(published.evaluation_hour(cell)) - 1])
+        if not reached:
+            verdict = NOT_COMPARABLE
+        elif name == "maximum_torque":
             verdict = torque_verdict(value, median, low, high)
         else:
             rest = published.maximum_torque(cell) == 0
@@ -120,9 +128,9 @@ def _torque_table(features: list[str], detections: list[str], published: Publish
                 "reproduced": median,
                 "reproduced_low": low,
                 "reproduced_high": high,
-                "at_published_hour": there if published.has(cell) else np.nan,
-                "at_published_hour_low": there_low if published.has(cell) else np.nan,
-                "at_published_hour_high": there_high if published.has(cell) else np.nan,
+                **dict(
+                    zip(("at_published_hour", "at_published_hour_low", "at_published_hour_high"), there, strict=True)
+                ),
                 "verdict": verdict,
             }
         )
@@ -130,7 +138,8 @@ def _torque_table(features: list[str], detections: list[str], published: Publish
 
 
 def table_v(features: list[str], detections: list[str], published: Published) -> list[Row]:
-    """Return the maximum |torque| [N m] at our own onset (last hour if none) and at the paper's hour."""
+    """Return the maximum |torque| [N m] at our own onset (last hour if none) and at the paper's hour, NaN where the run
+    ends before it."""
     return _torque_table(features, detections, published, "maximum_torque")
 
 

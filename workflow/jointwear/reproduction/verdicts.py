@@ -59,7 +59,8 @@ def variation_verdict(
 def detection_verdict(
     ran: bool, published: float | None, probability: float, median: float, low: float, high: float
 ) -> str:
-    """Compare detection: `published` hour, or None where the paper did not detect.
+    """Compare detection: `published` hour, or None where the paper did not detect; `ran` says that the paper ran it,
+    and that ours lasts as long.
 
     Where the paper did not detect, we agree if we detect in less than half of the replicates and are close below
     three quarters. Where it did, hours are compared if we detect in at least half; in at least a quarter we are close

@@ -9,6 +9,7 @@ from matplotlib.patches import Rectangle
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
 from jointwear.reproduction.tables import read_table
+from jointwear.reproduction.verdicts import NOT_COMPARABLE
 
 _PANEL_COLUMNS = 2
 
@@ -44,10 +45,10 @@ def draw_detection_map(table: str | Path, output: str | Path) -> None:
             hour = row["hour_median"]
             ours = f"{100 * probability:.0f} %" + ("" if hour is None else f", {hour:.0f} h")
             axes.text(x, y - 0.2, ours, ha="center", va="center", color=ink, fontsize=8.5, fontweight="bold")
-            if row["verdict"] == "not comparable":
-                paper = "paper: not run"
+            if row["published"] is not None:
+                paper = f"paper: {row['published']:.0f} h"
             else:
-                paper = "paper: ×" if row["published"] is None else f"paper: {row['published']:.0f} h"
+                paper = "not comparable" if row["verdict"] == NOT_COMPARABLE else "paper: ×"
             axes.text(x, y + 0.24, paper, ha="center", va="center", color=ink, fontsize=7.5)
         axes.set(
             xlim=(-0.5, len(tasks) - 0.5),

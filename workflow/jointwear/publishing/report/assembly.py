@@ -21,7 +21,7 @@ from jointwear.publishing.report.result_tables import (
 )
 from jointwear.reproduction import readings
 from jointwear.reproduction.grid import by_cell, cell_of
-from jointwear.reproduction.published import Published, load_published
+from jointwear.reproduction.published import HOURS, Published, load_published
 from jointwear.reproduction.tables import read_table
 from jointwear.robots.robot_file import read_robot_file
 
@@ -63,8 +63,8 @@ class Results:
 def _figures(results: Results, printed: Published, replicate: int) -> dict[str, Any]:
     run = results.figure_run
     cell = cell_of(str(run["simulation"]))
-    same = cell == printed.lag_cell
     residuals = residual_curves(results.models[cell.task], run["detection"], replicate)
+    same = cell == printed.lag_cell and residuals.hour[-1] >= HOURS
     kept = {task: read_variables(path, "kept")[0] for task, path in results.models.items()}
     return {
         "task": cell.task,

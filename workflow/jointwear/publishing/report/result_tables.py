@@ -90,7 +90,7 @@ def score_detection(rows: list[Row]) -> dict[str, Any]:
     ours, paper = [r["detection_probability"] >= 0.5 for r in ran], [r["published"] is not None for r in ran]
     pattern = Counter(zip(paper, ours, strict=True))
     for row in rows:
-        known = row["published"] is not None and row["hour_median"] is not None
+        known = row["published"] is not None and row["hour_median"] is not None and row["verdict"] != NOT_COMPARABLE
         row["error_h"] = row["hour_median"] - row["published"] if known else None
     errors = [abs(r["error_h"]) for r, o in zip(ran, ours, strict=True) if o and r["error_h"] is not None]
     return {
@@ -113,6 +113,7 @@ def score_values(rows: list[Row], relative: bool) -> dict[str, Any]:
     """
     for row in rows:
         usable = row["published"] is not None and row["reproduced"] is not None and (row["published"] or not relative)
+        usable = usable and row["verdict"] != NOT_COMPARABLE
         scale = row["published"] if relative else 1.0
         row["error"] = (row["reproduced"] - row["published"]) / scale if usable else None
         row["error_at_published_hour"] = (

@@ -10,6 +10,8 @@ from jointwear.publishing.report.numbers import number, percent
 from jointwear.reproduction.verdicts import AGREES, CLOSE, DIFFERS, NOT_COMPARABLE
 
 Statement = dict[str, str]
+#: What of Figures 1 to 3 is compared: the verdict on the figures is that on all of these.
+FIGURE_SCORES = ("friction", "divergence", "residuals", "onset", "components")
 
 
 def _overall(verdicts: Mapping[str, int]) -> str:
@@ -30,14 +32,18 @@ def _counted(verdicts: Mapping[str, int]) -> str:
     return text + (f" ({count(left, 'run')} cannot be compared)" if left else "")
 
 
-NOTHING = "The paper ran none of the runs in this grid, so there is nothing to compare."
+def _nothing(data: Mapping[str, Any]) -> str:
+    """Say why nothing of a table can be compared."""
+    if data["scores"]["table_iii"]["in_both"]:
+        return "The runs end before the hours at which the paper's are read, so there is nothing to compare."
+    return "The paper ran none of the runs in this grid, so there is nothing to compare."
 
 
 def _detection(data: Mapping[str, Any]) -> Statement:
     score = data["scores"]["table_iv"]
     verdict = _overall(score["verdicts"])
     if verdict == NOT_COMPARABLE:
-        return {"key": "table_iv", "title": "Hours of detection (Table IV)", "verdict": verdict, "text": NOTHING}
+        return {"key": "table_iv", "title": "Hours of detection (Table IV)", "verdict": verdict, "text": _nothing(data)}
     text = (
         f"{_counted(score['verdicts'])}. Detected or not is the same as in the paper in {score['same_pattern']} of "
         f"{score['compared']} runs; {count(score['only_we_detect'], 'run')} detected only here, "
@@ -76,7 +82,7 @@ def _variation(data: Mapping[str, Any]) -> Statement:
 def _values(data: Mapping[str, Any], key: str, title: str, says: Callable[[Mapping[str, Any]], str]) -> Statement:
     """Table V or VI: counts of the verdicts, then what `says` makes of the errors."""
     score = data["scores"][key]
-    text = NOTHING if score["median_error"] is None else f"{_counted(score['verdicts'])}. {says(score)}"
+    text = _nothing(data) if score["median_error"] is None else f"{_counted(score['verdicts'])}. {says(score)}"
     return {"key": key, "title": title, "verdict": _overall(score["verdicts"]), "text": text}
 
 
@@ -141,8 +147,9 @@ def _alarms(data: Mapping[str, Any]) -> Statement:
 
 def _figures(data: Mapping[str, Any]) -> Statement:
     figures = data["figures"]
-    parts = ("friction", "divergence", "residuals", "onset", "components")
-    verdicts = {v: sum(figures[p]["verdict"] == v for p in parts) for v in (AGREES, CLOSE, DIFFERS, NOT_COMPARABLE)}
+    verdicts = {
+        v: sum(figures[p]["verdict"] == v for p in FIGURE_SCORES) for v in (AGREES, CLOSE, DIFFERS, NOT_COMPARABLE)
+    }
     peak, onset, kept = figures["divergence"], figures["onset"], figures["components"]
     where = f"{figures['task']}, axis {figures['axis']}, {number(figures['increase_percent'])} %"
     text = ""
@@ -155,7 +162,7 @@ def _figures(data: Mapping[str, Any]) -> Statement:
             hour = number(onset["hour_median"])
             text += f"The onset of Figure 3 comes at hour {hour}, in the paper at {onset['published']}. "
     else:
-        text = f"The run of the paper's figures is not in this grid; they show {where} instead. "
+        text = f"The run of the paper's figures is not in this grid, or not in its whole length; they show {where}. "
     text += (
         f"{percent(kept['share_inside'])} of our normal models keep {kept['published'][0]} to "
         f"{kept['published'][1]} principal components, as the paper's do."
