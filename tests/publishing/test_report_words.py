@@ -105,7 +105,7 @@ def test_the_first_screen_says_what_one_experiment_explains(data):
     first = left_out(data, {"joint_fit": chapter})[0]
     assert first["anchor"] == "joint_fit"
     assert "the outcome of 32 of 36 runs and Table V within 0.9" in first["finding"]
-    assert "14 h apart" in first["finding"]
+    assert "14.0 h apart" in first["finding"]
 
 
 def test_inlined_figures_do_not_share_identifiers_and_bring_no_script(tmp_path):

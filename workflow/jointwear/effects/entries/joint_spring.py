@@ -39,12 +39,12 @@ def _shape(state, axis, p):
 EFFECT = Effect(
     identifier="joint_spring",
     name="Joint spring",
-    equation="c + k1 x + k2 x^2 + k3 x^3 with x = q - qc, which is c + k (q - q0) + k3 (q - q0)^3",
+    equation="p + k1 x + k2 x^2 + k3 x^3 with x = q - qc, which is c + k (q - q0) + k3 (q - q0)^3",
     parameters=(
         Parameter("stiffness", "N m/rad", -1e6, 1e6, "k1"),
         Parameter("quadratic", "N m/rad2", -1e6, 1e6, "k2"),
         Parameter("cubic", "N m/rad3", -1e6, 1e6, "k3"),
-        Parameter("preload", "N m", -1e6, 1e6, "c, torque in the middle of the travel"),
+        Parameter("preload", "N m", -1e6, 1e6, "p, torque in the middle of the travel"),
         Parameter("centre", "rad", -100.0, 100.0, "qc, middle of the travel", 0.0, fixed=True),
         Parameter("low", "rad", -100.0, 100.0, "end of the travel on which it was found", -100.0, fixed=True),
         Parameter("high", "rad", -100.0, 100.0, "the other end", 100.0, fixed=True),
