@@ -15,6 +15,14 @@ from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.model.noise_floor import floor_with_names
 from jointwear.discovery.noise.bursts import rings
 from jointwear.discovery.problem.problem import Problem
+from jointwear.discovery.trajectories_apart import (
+    disagreement,
+    held_out_alone,
+    only_held_out,
+    only_training,
+    training_alone,
+    unnamed_axes,
+)
 from jointwear.discovery.verdict import AboveNoise, Gap
 from jointwear.files.json_values import six_digits
 from jointwear.files.wording import numbered
@@ -32,8 +40,8 @@ class HeldOut:
     ----------
     gap : RMS errors, with a noise floor that is told. unsure : axis -> estimate of its noise [N m] that was too high.
     ringing : axis -> noise [N m] that comes in bursts. above : axes whose error stays above the noise.
-    alone : axes that disagree here alone, where nothing has a name. suspected : axes above the noise on which an
-        effect is only suspected.
+    alone : axes without a name that disagree here alone. trained : likewise, in the training trajectories alone.
+    suspected : axes above the noise on which an effect is only suspected.
     to_the_noise : whether the error is near the floor on every axis that has both.
     """
 
@@ -42,19 +50,21 @@ class HeldOut:
     ringing: Mapping[int, float]
     above: tuple[AboveNoise, ...]
     alone: tuple[int, ...]
+    trained: tuple[int, ...]
     suspected: tuple[int, ...]
     to_the_noise: bool
 
     @property
     def contradicts(self) -> bool:
         """Whether more is there than training has a name for."""
-        return bool(self.alone or self.suspected or self.ringing)
+        return bool(self.alone or self.trained or self.suspected or self.ringing)
 
     def in_words(self) -> Iterable[str]:
         """Yield what a reader has to know of it."""
         yield from _noise_too_high(self.gap, self.unsure)
         yield from _noise_in_bursts(self.ringing)
-        yield from _held_out_alone(self.alone, self.above)
+        yield from held_out_alone(self.alone, self.above)
+        yield from training_alone(self.trained, self.unsure, self.gap)
         yield from _without_a_name(self.suspected, self.above)
 
 
@@ -71,13 +81,15 @@ def held_out(final: Final, torques: Mapping[str, np.ndarray]) -> HeldOut:
     gap, ringing = _without_bursts(problem, torques["augmented"], gap, left)
     margin = problem.settings.near_the_floor
     above = _above_the_noise(gap, margin)
-    named = bool(final.estimates or final.unwritten)
+    named = [e.named.candidate.axis for e in (*final.estimates, *final.unwritten)]
+    asked = set() if left else unnamed_axes(len(gap.augmented), [None if a is None else a + 1 for a in named])
     return HeldOut(
         gap,
         unsure,
         ringing,
         above,
-        alone=() if named or left else tuple(_only_held_out(problem, above, gap)),
+        alone=tuple(only_held_out(problem, above, gap, asked)),
+        trained=tuple(only_training(problem, unsure, gap, asked)),
         suspected=() if left else tuple(_suspected(final, above)),
         to_the_noise=_to_the_noise(gap, margin),
     )
@@ -178,32 +190,6 @@ def _to_the_noise(gap: Gap, margin: float) -> bool:
     return bool(pairs) and not _above_the_noise(gap, margin)
 
 
-def _only_held_out(problem: Problem, above: Sequence[AboveNoise], gap: Gap) -> list[int]:
-    """Return the axes, from 1, whose held-out error noise does not reach, though training shows nothing without a name.
-
-    It matters to a simulation too: below `smallest_share` of the torque even exact models differ.
-    """
-    result = []
-    for axis, ratio in ((a.axis, a.ratio) for a in above):
-        size = np.sqrt(np.nanmean(problem.measured.torque[problem.test, axis - 1] ** 2))
-        beyond = np.sqrt(gap.augmented[axis - 1] ** 2 - gap.noise_floor[axis - 1] ** 2)
-        if ratio > problem.settings.noise_sigmas and beyond > problem.settings.smallest_share * size:
-            result.append(axis)
-    return result
-
-
-def _held_out_alone(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[str]:
-    """Say which axes disagree with the model in the test trajectories alone, in one sentence or none."""
-    if not axes:
-        return []
-    words = (
-        f"{numbered('joint', axes)}: {_disagreement(axes, above)}, the training trajectories do not; look whether the "
-        "records of the test trajectories are sound (torque and motion of one record, sign, unit, the same robot), or "
-        "whether something acts there alone"
-    )
-    return [words]
-
-
 def _suspected(final: Final, above: Sequence[AboveNoise]) -> list[int]:
     """Return the axes, from 1, on which an effect is suspected and the held-out error stays above the noise.
 
@@ -219,12 +205,6 @@ def _without_a_name(axes: Sequence[int], above: Sequence[AboveNoise]) -> list[st
         return []
     words = (
         f"{numbered('joint', axes)}: what the model lacks is like a suspected effect, but none of the library describes"
-        f" it; {_disagreement(axes, above)}"
+        f" it; {disagreement(axes, above)}"
     )
     return [words]
-
-
-def _disagreement(axes: Sequence[int], above: Sequence[AboveNoise]) -> str:
-    """Say by how much the test trajectories of some axes, from 1, disagree with the model."""
-    largest = max(a.ratio for a in above if a.axis in axes)
-    return f"the test trajectories disagree with the model by up to {largest:.2g} times the noise"
