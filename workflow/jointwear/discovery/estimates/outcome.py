@@ -82,9 +82,9 @@ class Outcome:
     """What the search found; `white`, `fit` and `dictionary` are those of the final model, None where it failed.
 
     `refusals` are candidates that a gate refused, `suspects` what was taken off an axis that stays
-    unexplained, `unsteady` the keys of those whose size changes over time, `not_tried` (effect, 0-based axis or None)
-    -> reason. `force` (4,) [N, N m-1] at the
-    flange in the base frame, where what is unexplained is most like one.
+    unexplained, `unsteady` the keys of those whose size changes over time or with the speed, `not_tried` (effect,
+    0-based axis or None) -> reason. `force` (4,) [N, N m-1] at the flange in the base frame, where what is unexplained
+    is most like one.
     """
 
     problem: Problem

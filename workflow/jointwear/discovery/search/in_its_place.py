@@ -44,10 +44,10 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     for axis in asked_of(one):
         rivals = [basis for basis in resolved_bases(white, axis) if not of_its_form(one, basis.argument)]
         for basis, seen in of_bases(white, fit, axis, rivals):
-            nats = _nats(outcome, axis, seen.b, seen.gram)
+            nats = evidence_of(outcome, axis, seen.b, seen.gram)
             if nats - own <= (needed if best is None else best[2]):
                 continue
-            if nats - _nats(outcome, axis, *beside.gram({axis: seen.columns})) > settings.accept:
+            if nats - evidence_of(outcome, axis, *beside.gram({axis: seen.columns})) > settings.accept:
                 best = basis, axis, nats - own
     return best
 
@@ -65,7 +65,7 @@ def of_its_form(one: Named, argument: str) -> bool:
     return own.split(" x ")[0] == argument.split(" x ")[0] and " of joint " not in argument
 
 
-def _nats(outcome: Outcome, axis: int, b: np.ndarray, gram: np.ndarray) -> float:
+def evidence_of(outcome: Outcome, axis: int, b: np.ndarray, gram: np.ndarray) -> float:
     """Return the evidence [nats] that structure over an argument adds to a fit, averaged over :data:`SIZES`.
 
     `b` (k,) and `gram` (k, k) are of :meth:`Fit.gram`.

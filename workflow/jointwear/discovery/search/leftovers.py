@@ -20,6 +20,7 @@ from jointwear.discovery.search.changing_size import changing
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.drives_at_rest import at_rest
 from jointwear.discovery.search.early_torque import EARLY, early
+from jointwear.discovery.search.encoder_wave import encoder_wave
 from jointwear.discovery.search.explained import explained, explained_elsewhere
 from jointwear.discovery.search.in_its_place import better_in_its_place
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
@@ -246,7 +247,8 @@ def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
     A name in whose place structure without a name explains more is a suspect on any axis, and so is one whose size
-    changes over time (:func:`.changing_size.changing`).
+    changes over time (:func:`.changing_size.changing`) or that is the wave of an encoder
+    (:func:`.encoder_wave.encoder_wave`).
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
     axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
     axes in the model, and no other joint lacks the same; one of timing has to be most of it too, and a torque that is
@@ -258,6 +260,15 @@ def stand_alone(outcome: Outcome) -> None:
         elsewhere = acts_elsewhere(outcome, one)
         if elsewhere is not None:
             outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
+            continue
+        ahead = encoder_wave(outcome, one)
+        if ahead is not None:
+            reason = (
+                f"it grows with the square of the speed, which explains {ahead:.0f} nats more: so does what an encoder "
+                "that is off by a wave makes of a controller that follows it"
+            )
+            outcome.suspects.append((one, reason))
+            outcome.unsteady.add(one.candidate.key)
             continue
         spread = changing(outcome, one)
         if spread is not None:
