@@ -24,7 +24,8 @@ OTHERS = {
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST_WAVES gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
-        bursts.LOUDEST building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
+        bursts.LOUDEST rocking.FREQUENCIES rocking.DAMPINGS rocking.DULL
+        building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
         building_up.PARTS
         instruments.LOWER curvature.STEP effect_estimates.STEP effect_estimates.MORE_LOAD
     """,

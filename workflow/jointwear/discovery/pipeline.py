@@ -27,6 +27,7 @@ from jointwear.discovery.search.links_known_less import links_in_words
 from jointwear.discovery.search.outside_force import force_in_words
 from jointwear.discovery.search.recorded_in_time import coulomb_steps
 from jointwear.discovery.search.repeatability import repeat
+from jointwear.discovery.search.rocking import rocking, swing_in_words
 from jointwear.discovery.search.searches import search, whitened
 from jointwear.discovery.search.shared_delay import (
     delay_in_words,
@@ -186,12 +187,12 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
 def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
     outcome = with_kept_sizes(repeat(search_beside(found), found.problem))
     problem = outcome.problem
-    outcome.unexplained = lasting(outcome)
+    outcome.unexplained = lasting(outcome) or rocking(outcome)
     if outcome.force is not None and outcome.unexplained:
         restrictions = [*restrictions, force_in_words(outcome.force)]
     elif outcome.unexplained and not outcome.named and not any(ANOTHER_ZERO in line for line in restrictions):
         restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
-    restrictions = [*restrictions, *links_in_words(outcome)]
+    restrictions = [*restrictions, *swing_in_words(outcome.unexplained), *links_in_words(outcome)]
     final, files, torques = sound_files(problem, outcome)
     if in_training(final) == NONE:
         final, files, torques = unchanged_files(problem, final)

@@ -8,6 +8,7 @@ from typing import Any
 
 from jointwear.discovery.presentation.drawing import draw_all
 from jointwear.discovery.search.leftovers import LINE
+from jointwear.discovery.search.rocking import SWING
 from jointwear.effects import library
 from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
@@ -96,7 +97,16 @@ def _lines(content: Mapping[str, Any]) -> str:
     """Say at which frequencies joints shake that no effect explains, empty where none does."""
     lines = (u for u in content.get("unexplained", ()) if u["argument"] == LINE)
     told = [f"joint {u['axis']} at {number(u['range'][0])} Hz" for u in lines]
-    return f"Something shakes at a frequency of its own: {listed(told)}." if told else ""
+    if told:
+        return f"Something shakes at a frequency of its own: {listed(told)}."
+    swings = [u for u in content.get("unexplained", ()) if u["argument"] == SWING]
+    if not swings:
+        return ""
+    joints = _joints(content, sorted(u["axis"] for u in swings))
+    return (
+        f"Something swings with the motion at {number(swings[0]['range'][0])} Hz on {joints}: a base, a column or a "
+        "load that gives way."
+    )
 
 
 def _untold(content: Mapping[str, Any]) -> list[int]:

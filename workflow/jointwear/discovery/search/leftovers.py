@@ -23,7 +23,9 @@ from jointwear.discovery.search.early_torque import EARLY, early
 from jointwear.discovery.search.encoder_wave import encoder_wave
 from jointwear.discovery.search.explained import explained, explained_elsewhere
 from jointwear.discovery.search.in_its_place import better_in_its_place
+from jointwear.discovery.search.least_torque import least_square, rms
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
+from jointwear.discovery.search.rocking import swing_beside, swing_terms, swings
 from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.discovery.structure import Basis
 from jointwear.effects import get_effect
@@ -66,7 +68,7 @@ def unexplained(
     settings = problem.settings
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
-        least = _least_square(outcome, axis)
+        least = least_square(outcome, axis)
         bases = [x for x in resolved_bases(white, axis) if asked is None or (axis, x.argument) in asked]
         for basis, seen in of_bases(white, fit, axis, bases):
             b, gram = seen.b, seen.gram
@@ -197,13 +199,6 @@ def _beside(fit: Fit, axis: int, columns: np.ndarray, raw: np.ndarray, theta: np
     return torque
 
 
-def _least_square(outcome: Outcome, axis: int) -> float:
-    """Return the mean square [N m^2] from which torque that no effect explains matters on one axis."""
-    problem, share = outcome.problem, outcome.problem.settings.smallest_share
-    torque = _rms(problem.train_state.torque[:, axis], problem.usable[:, axis])
-    return max(share * outcome.white.whiteners[axis].marginal ** 2, (share * torque) ** 2)
-
-
 def lasting(outcome: Outcome) -> list[Unexplained]:
     """Return the unexplained structure that is left when no single sample may decide.
 
@@ -247,8 +242,8 @@ def stand_alone(outcome: Outcome) -> None:
     """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
 
     A name in whose place structure without a name explains more is a suspect on any axis, and so is one whose size
-    changes over time (:func:`.changing_size.changing`) or that is the wave of an encoder
-    (:func:`.encoder_wave.encoder_wave`).
+    changes over time (:func:`.changing_size.changing`), one that is the wave of an encoder
+    (:func:`.encoder_wave.encoder_wave`), and an elastic gear that says nothing beside a swinging base.
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
     axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
     axes in the model, and no other joint lacks the same; one of timing has to be most of it too, and a torque that is
@@ -256,6 +251,7 @@ def stand_alone(outcome: Outcome) -> None:
     An effect of the whole arm is asked where half of the axes that it moves stay unexplained. Changes `outcome`.
     """
     kept: list[Named] = []
+    swing = swing_beside(outcome) if any(swings(n) for n in outcome.named) else None
     for one in outcome.named:
         elsewhere = acts_elsewhere(outcome, one)
         if elsewhere is not None:
@@ -282,6 +278,12 @@ def stand_alone(outcome: Outcome) -> None:
             reason = f"structure over {basis.argument} of joint {axis + 1} explains {lead:.0f} nats more in its place"
             outcome.suspects.append((one, reason))
             continue
+        if swing is not None and swings(one):
+            others = [t for n in outcome.named if n is not one for t in n.terms]
+            if predictive(outcome.white, [*others, *swing_terms(outcome.white, swing)], one)[1]:
+                words = f"a base that swings with the motion, at {swing.frequency:.2g} Hz, could stand for it as well"
+                outcome.suspects.append((one, words))
+                continue
         axes = left_open(outcome, one)
         if not axes:
             kept.append(one)
@@ -382,7 +384,7 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
         return None
     settings, fit = outcome.problem.settings, outcome.fit
     columns = raw_columns(white, candidate)
-    own = _rms(columns @ fit.coefficients(one.term), outcome.problem.usable[:, candidate.axis])
+    own = rms(columns @ fit.coefficients(one.term), outcome.problem.usable[:, candidate.axis])
     for axis in sorted({u.axis for u in outcome.unexplained} - {candidate.axis}):
         x, residual = white.columns(axis, columns), fit.residual[axis]
         b, gram = fit.gram({axis: x})
@@ -391,13 +393,9 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
         if 0.5 * (statistic - freedom) <= settings.accept or statistic <= MOST * max(lacking, 0.0):
             continue
         there = columns @ np.linalg.lstsq(gram, b, rcond=None)[0]
-        if _rms(there, outcome.problem.usable[:, axis]) > settings.usual * own:
+        if rms(there, outcome.problem.usable[:, axis]) > settings.usual * own:
             return axis
     return None
-
-
-def _rms(values: np.ndarray, where: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values[where] ** 2))) if where.any() else 0.0
 
 
 def _structures(outcome: Outcome, one: Named, axes: list[int]) -> list[Term]:

@@ -13,6 +13,7 @@ from dataclasses import replace
 from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.search.leftovers import unexplained
+from jointwear.discovery.search.rocking import rocking
 from jointwear.files.wording import numbered
 
 #: Largest `inertial_prior` that the schema of the config allows.
@@ -32,7 +33,7 @@ def links_in_words(outcome: Outcome) -> list[str]:
         return []
     base = [replace(t, std=times * t.std) if t.label == INERTIAL else t for t in outcome.white.base]
     wide = replace(outcome, white=replace(outcome.white, base=base))
-    if unexplained(wide)[0]:
+    if unexplained(wide)[0] or rocking(wide):
         return []
     axes = sorted({u.axis + 1 for u in outcome.unexplained})
     said, wider = f"{settings.inertial_prior:.2g}", f"{times * settings.inertial_prior:.2g}"

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery.estimates.outcome import Named, Outcome
-from jointwear.discovery.problem.candidates import LINK_MASS, build_dictionary
+from jointwear.discovery.problem.candidates import build_dictionary
 from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.saturated import estimate_noise
 from jointwear.discovery.problem.whitening import White, whiten
 from jointwear.discovery.search.acceptance import of_timing
 from jointwear.discovery.search.decide import decide, settle
 from jointwear.discovery.search.outside_force import beside_force, force_beside, force_of, outside_force
-from jointwear.effects import get_effect
+from jointwear.discovery.search.rocking import swings
 
 
 def whitened(problem: Problem) -> White:
@@ -51,20 +51,14 @@ def explains_shaking(outcome: Outcome) -> bool:
     lacking = {u.axis for u in outcome.unexplained}
     weak = outcome.problem.settings.weak_nats
     timing = [n for n in outcome.named if of_timing(n.candidate)]
-    swings = [n for n in timing if _swings(n)]
-    feigned = max((n.evidence for n in timing if not _swings(n)), default=0.0)
-    if any(n.evidence > weak or (n.candidate.axis not in lacking and n.evidence > feigned) for n in swings):
+    gears = [n for n in timing if swings(n)]
+    feigned = max((n.evidence for n in timing if not swings(n)), default=0.0)
+    if any(n.evidence > weak or (n.candidate.axis not in lacking and n.evidence > feigned) for n in gears):
         return True
     drives = _shared_drives(outcome.named, weak)
     if drives and {int(a) for a in np.flatnonzero(replace(outcome.problem, still=False).shaken)} in drives:
         return True
     return bool(outcome.named) and not outcome.unexplained and not timing
-
-
-def _swings(one: Named) -> bool:
-    """Return whether an effect is a link that swings, which pulls on every joint."""
-    candidate = one.candidate
-    return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
 
 
 def _shared_drives(named: list[Named], weak: float) -> list[set[int]]:

@@ -1,0 +1,224 @@
+"""A base that swings with the motion: structure that a noise model takes for noise and that no basis holds.
+
+A pedestal or a column that gives way rocks at a frequency of its own each time the arm starts or stops, and so do, much
+alike, a load on a rope and a link. At the joints those are bursts that die away. Over time they make no line, for each
+start has a phase of its own, and an autoregressive model of what is left calls them coloured noise. Noise does not know
+how the arm moves. So the base is let swing, driven by the moment that the arm along its nominal motion asks of it, at
+each of many frequencies: where the torques that follow say what is left, in records that had no part in choosing
+frequency and size too, that is no noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
+from jointwear.discovery.linear import Fit, Term, chance
+from jointwear.discovery.problem.candidates import LINK_MASS
+from jointwear.discovery.problem.whitening import White
+from jointwear.discovery.search.least_torque import least_square
+from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.effects import get_effect
+from jointwear.effects.swing import wind_up
+from jointwear.robots.rocking_base import WAYS, RockingBase
+
+#: Argument of structure that swings with the motion.
+SWING = "swing of the base"
+#: Frequencies [Hz] at which a base is let swing: from slow columns to stiff pedestals, in steps of a twentieth.
+FREQUENCIES = tuple(float(f) for f in np.geomspace(1.5, 20.0, 53))
+#: Dampings of these swings, over that at which they end, and the one with which hardly anything swings.
+DAMPINGS, DULL = (0.03, 0.1), 0.7
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A swing of the base with what it is worth [nats] more than one that is dull; `size` (2,) 1 if robot file and
+    stiffness are right."""
+
+    frequency: float
+    damping: float
+    size: np.ndarray
+    nats: float
+    freedom: int
+    lead: float
+    left_out: float
+
+
+class Rocking:
+    """The swings of the base that whitened data may hold, by frequency and damping."""
+
+    def __init__(self, white: White) -> None:
+        self.white = white
+
+    @cached_property
+    def _driven(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Moments (m, 2) on the base, and what it does to base and joints by acceleration and angle (m, 2, 2 + n)."""
+        problem = self.white.problem
+        base, state = RockingBase(problem.dynamics), problem.train_state
+        return base.moments(state.position, state.velocity, state.acceleration), *base.pulls(state.position)
+
+    def torques(self, frequency: float, damping: float) -> np.ndarray:
+        """Return the torques (m, n, 2) [N m] of the joints where the base swings about each of its directions."""
+        moments, by_acceleration, by_angle = self._driven
+        state, result = self.white.problem.train_state, []
+        for way in range(WAYS):
+            inertia = by_acceleration[:, way, way]
+            mean = float(np.mean(inertia))
+            stiffness = mean * (2.0 * np.pi * frequency) ** 2
+            drag = 2.0 * damping * np.sqrt(stiffness * mean)
+            angle, acceleration = wind_up(state, -moments[:, way], inertia, stiffness, drag)
+            torque = by_acceleration[:, way] * acceleration[:, None] + by_angle[:, way] * angle[:, None]
+            result.append(torque[:, WAYS:])
+        return np.stack(result, axis=-1)
+
+    def found(self, fit: Fit) -> Swing | None:
+        """Return the swing that says most of what a fit leaves, None where it is no swing.
+
+        Sizes are those of a base that gives way: positive. Of a swing there is a best frequency, within those searched.
+        """
+        swings = [(f, d) for d in DAMPINGS for f in FREQUENCIES]
+        sums = [self._sums(fit, *one) for one in swings]
+        every = [_said(b.sum(axis=0), gram.sum(axis=0)) for b, gram in sums]
+        best = int(np.argmax([nats for nats, *_ in every]))
+        nats, size, freedom = every[best]
+        frequency, damping = swings[best]
+        if not freedom or frequency in (FREQUENCIES[0], FREQUENCIES[-1]):
+            return None
+        # Hardly any frequency is left in what is dull.
+        dull = [self._sums(fit, f, DULL) for f in FREQUENCIES[:: len(DAMPINGS) + 1]]
+        lead = nats - max(_said(b.sum(axis=0), gram.sum(axis=0))[0] for b, gram in dull)
+        return Swing(frequency, damping, size, nats, freedom, lead, _left_out(sums))
+
+    def blocks(self, swing: Swing) -> dict[int, np.ndarray]:
+        """Return axis -> whitened torque (m, 1) of a swing."""
+        torques = self.torques(swing.frequency, swing.damping) @ swing.size
+        return {axis: self.white.columns(axis, torques[:, [axis]]) for axis in self.white.problem.judged}
+
+    def _sums(self, fit: Fit, frequency: float, damping: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return b (folds, 2) and H (folds, 2, 2) of the torques of a swing, less what the terms of a fit can say."""
+        problem = self.white.problem
+        torques = self.torques(frequency, damping)
+        blocks = {axis: self.white.columns(axis, torques[:, axis]) for axis in problem.judged}
+        instead = fit.mimicked(blocks, np.eye(WAYS))
+        folds = int(problem.fold_of_sample.max()) + 1
+        b, gram = np.zeros((folds, WAYS)), np.zeros((folds, WAYS, WAYS))
+        for axis, columns in blocks.items():
+            own = columns - fit.design[axis] @ instead[fit.columns[axis]]
+            fold = self.white.folds(axis)
+            for one in np.unique(fold):
+                rows = fold == one
+                b[one] += own[rows].T @ fit.residual[axis][rows]
+                gram[one] += own[rows].T @ own[rows]
+        return b, gram
+
+
+def rocking(outcome: Outcome) -> list[Unexplained]:
+    """Return the structure of a base that swings beside all that was found, of each axis on which it matters.
+
+    The form of an elastic gear that has its name may be off: then it leaves a swing that is worth no more than
+    `form_error` of it.
+    """
+    swing = swing_beside(outcome)
+    if swing is None:
+        return []
+    white, settings, rocks = outcome.white, outcome.problem.settings, Rocking(outcome.white)
+    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
+    torques, found = rocks.torques(swing.frequency, swing.damping) @ swing.size, []
+    for axis, columns in rocks.blocks(swing).items():
+        b, gram = fit.gram({axis: columns})
+        nats = float(b[0] - 0.5 * gram[0, 0])
+        size = float(np.mean(torques[outcome.problem.usable[:, axis], axis] ** 2))
+        if nats > settings.accept and size > least_square(outcome, axis):
+            p, _ = chance(2.0 * swing.nats + swing.freedom, swing.freedom, _samples(white))
+            p = max(min(1.0, len(FREQUENCIES) * len(DAMPINGS) * p), 1e-300)
+            found.append(Unexplained(axis, SWING, "Hz", swing.frequency, swing.frequency, p, nats))
+    return found
+
+
+def swing_beside(outcome: Outcome) -> Swing | None:
+    """Return the swing of a base that noise does not feign beside all that was found, or None.
+
+    The form of an elastic gear that has its name may be off: then it leaves a swing that is worth no more than
+    `form_error` of it.
+    """
+    if outcome.white is None:
+        return None
+    white, settings = outcome.white, outcome.problem.settings
+    swing = Rocking(white).found(white.fit([*with_tolerances(white, outcome.named), *white.attenuation]))
+    least = max([settings.accept, *(settings.form_error * n.evidence for n in outcome.named if swings(n))])
+    return swing if swing is not None and _sure(outcome, swing, least) else None
+
+
+def swing_terms(white: White, swing: Swing) -> list[Term]:
+    """Return the term of a swing of the base, beside which an elastic gear is asked again."""
+    torques = Rocking(white).torques(swing.frequency, swing.damping) @ swing.size
+    blocks = {axis: white.columns(axis, torques[:, [axis]]) for axis in white.problem.judged}
+    raw = {axis: white.raw(axis, torques[:, [axis]]) for axis in white.problem.judged}
+    return [Term(SWING, blocks, np.ones(1), raw)]
+
+
+def swings(one: Named) -> bool:
+    """Return whether an effect is a link that swings behind its gear."""
+    candidate = one.candidate
+    return candidate.effect != LINK_MASS and get_effect(candidate.effect).spreads(candidate.nonlinear)
+
+
+def swing_in_words(structure: Sequence[Unexplained]) -> list[str]:
+    """Say at which frequency something swings with the motion, in one sentence or none."""
+    found = [u for u in structure if u.argument == SWING]
+    if not found:
+        return []
+    words = (
+        f"something swings with the motion at {found[0].low:.2g} Hz, as a base that gives way does when the arm "
+        "starts and stops: look at how firmly base, column and load are held, and at the gears"
+    )
+    return [words]
+
+
+def _sure(outcome: Outcome, swing: Swing, least: float) -> bool:
+    """Return whether noise, or a model that is off without swinging, does not feign a swing of so many nats."""
+    settings = outcome.problem.settings
+    p, _ = chance(2.0 * swing.nats + swing.freedom, swing.freedom, _samples(outcome.white))
+    searched = len(FREQUENCIES) * len(DAMPINGS)
+    return (
+        searched * p < settings.unexplained_p
+        and swing.nats > least
+        and swing.lead > settings.accept
+        and swing.left_out > settings.accept
+    )
+
+
+def _samples(white: White) -> int:
+    return sum(len(y) for y in white.targets)
+
+
+def _said(b: np.ndarray, gram: np.ndarray) -> tuple[float, np.ndarray, int]:
+    """Return the nats of columns with b (2,) and H (2, 2) whose sizes (2,) are not negative, those, and how many."""
+    best = (0.0, np.zeros(WAYS), 0)
+    for chosen in ([0, 1], [0], [1]):
+        part = gram[np.ix_(chosen, chosen)]
+        if not np.all(np.linalg.eigvalsh(part) > 0):
+            continue
+        size = np.linalg.solve(part, b[chosen])
+        nats = 0.5 * (float(size @ b[chosen]) - len(chosen))
+        if np.all(size > 0) and nats > best[0]:
+            full = np.zeros(WAYS)
+            full[chosen] = size
+            best = nats, full, len(chosen)
+    return best
+
+
+def _left_out(sums: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
+    """Return the nats that swings chosen on all other folds gain in each one, in all."""
+    b, gram = np.stack([x for x, _ in sums]), np.stack([x for _, x in sums])
+    total = 0.0
+    for fold in range(b.shape[1]):
+        others = [_said(b[k].sum(axis=0) - b[k, fold], gram[k].sum(axis=0) - gram[k, fold]) for k in range(len(b))]
+        best = int(np.argmax([nats for nats, *_ in others]))
+        size = others[best][1]
+        total += float(size @ b[best, fold] - 0.5 * size @ gram[best, fold] @ size)
+    return total
