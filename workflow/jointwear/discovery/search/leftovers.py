@@ -27,6 +27,7 @@ from jointwear.discovery.search.least_torque import least_square, rms
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
 from jointwear.discovery.search.rocking import swing_beside, swing_terms, swings
 from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.search.windings import stiffens, wound_up_further_in
 from jointwear.discovery.structure import Basis
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
@@ -243,7 +244,8 @@ def stand_alone(outcome: Outcome) -> None:
 
     A name in whose place structure without a name explains more is a suspect on any axis, and so is one whose size
     changes over time (:func:`.changing_size.changing`), one that is the wave of an encoder
-    (:func:`.encoder_wave.encoder_wave`), and an elastic gear that says nothing beside a swinging base.
+    (:func:`.encoder_wave.encoder_wave`), and an elastic gear that says nothing beside a swinging base, or whose
+    stiffness changes; a spring or gear that says nothing beside the wind-up of a joint further in is one too.
     An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
     axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
     axes in the model, and no other joint lacks the same; one of timing has to be most of it too, and a torque that is
@@ -284,6 +286,16 @@ def stand_alone(outcome: Outcome) -> None:
                 words = f"a base that swings with the motion, at {swing.frequency:.2g} Hz, could stand for it as well"
                 outcome.suspects.append((one, words))
                 continue
+        change = stiffens(outcome, one)
+        if change is not None:
+            words = f"its stiffness is not the same at all loads, it changes by {100 * change:.0f} % of itself"
+            outcome.suspects.append((one, words))
+            continue
+        inner = wound_up_further_in(outcome, one)
+        if inner is not None:
+            words = f"joint {inner + 1} stays unexplained further in, and its wind-up could stand for it as well"
+            outcome.suspects.append((one, words))
+            continue
         axes = left_open(outcome, one)
         if not axes:
             kept.append(one)
