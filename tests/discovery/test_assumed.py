@@ -33,7 +33,7 @@ OTHERS = {
         reversals.RINGS
     """,
     "a bound on time": """
-        building_up.SAMPLES leftovers.SPEEDS
+        building_up.SAMPLES leftovers.SPEEDS rocking.COARSE rocking.HINT
         base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         saturated.DRAWN
@@ -66,7 +66,7 @@ OTHERS = {
         posterior.TIED_NATS posterior.TIED_SHARE
     """,
     "what a page, a table or a sentence says": """
-        drawing.SAMPLES_SHOWN findings.ABOVE_ALL findings.LONGEST_LIST findings.FEWEST_ALIKE findings.MOST_ALIKE
+        drawing.SAMPLES_SHOWN held_out.ABOVE_ALL findings.LONGEST_LIST findings.FEWEST_ALIKE findings.MOST_ALIKE
         largest_torque.NOT_BESIDE preflight.GAP preflight.MOVING restrictions.FEW_RECORDS restrictions.APART
         restrictions.TURNED
         reversals.SLOWEST reversals.MISSING experiment.DURATION experiment.RATE experiment.HARMONICS experiment.TRIALS

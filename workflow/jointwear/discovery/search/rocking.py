@@ -32,6 +32,9 @@ SWING = "swing of the base"
 FREQUENCIES = tuple(float(f) for f in np.geomspace(1.5, 20.0, 53))
 #: Dampings of these swings, over that at which they end, and the one with which hardly anything swings.
 DAMPINGS, DULL = (0.03, 0.1), 0.7
+#: Every so many of the frequencies are looked at first, with the largest damping, whose peaks are as wide as that; and
+#: the share of what a swing needs that one of them has to say, or none is looked for: the rest costs four times that.
+COARSE, HINT = 2, 0.5
 
 
 @dataclass(frozen=True)
@@ -75,11 +78,18 @@ class Rocking:
             result.append(torque[:, WAYS:])
         return np.stack(result, axis=-1)
 
-    def found(self, fit: Fit) -> Swing | None:
+    def found(self, fit: Fit, needed: float) -> Swing | None:
         """Return the swing that says most of what a fit leaves, None where it is no swing.
 
         Sizes are those of a base that gives way: positive. Of a swing there is a best frequency, within those searched.
+
+        Parameters
+        ----------
+        needed : nats below which no swing is told.
         """
+        coarse = [self._sums(fit, f, max(DAMPINGS)) for f in FREQUENCIES[::COARSE]]
+        if max(_said(b.sum(axis=0), gram.sum(axis=0))[0] for b, gram in coarse) < HINT * needed:
+            return None
         swings = [(f, d) for d in DAMPINGS for f in FREQUENCIES]
         sums = [self._sums(fit, *one) for one in swings]
         every = [_said(b.sum(axis=0), gram.sum(axis=0)) for b, gram in sums]
@@ -148,8 +158,9 @@ def swing_beside(outcome: Outcome) -> Swing | None:
     if outcome.white is None:
         return None
     white, settings = outcome.white, outcome.problem.settings
-    swing = Rocking(white).found(white.fit([*with_tolerances(white, outcome.named), *white.attenuation]))
     least = max([settings.accept, *(settings.form_error * n.evidence for n in outcome.named if swings(n))])
+    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
+    swing = Rocking(white).found(fit, settings.accept)
     return swing if swing is not None and _sure(outcome, swing, least) else None
 
 
