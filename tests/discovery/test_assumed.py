@@ -57,7 +57,7 @@ OTHERS = {
         curvature.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
     """,
     "half, which is most of something, or no price at all": """
-        changing_size.CHANGING decide.LIKELY left_out.UNTOLD leftovers.MOST saturated.SEEN shaken.DERIVED
+        changing_size.CHANGING decide.LIKELY left_out.UNTOLD standing_alone.MOST saturated.SEEN shaken.DERIVED
         final_model.ADDS_MORE shared_drives.UNEXPLAINED building_up.QUIET saturated.TWICE slow_noise.PRICE
         instruments.FEIGNED bursts.HIDES
     """,

@@ -15,8 +15,9 @@ from jointwear.discovery.search import acceptance
 from jointwear.discovery.search.acceptance import predictive
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.explained import explained, explained_elsewhere
-from jointwear.discovery.search.leftovers import LINE, acts_elsewhere, left_open, nearly_all, stand_alone
+from jointwear.discovery.search.leftovers import LINE
 from jointwear.discovery.search.residual_lines import strongest_line
+from jointwear.discovery.search.standing_alone import acts_elsewhere, left_open, nearly_all, stand_alone
 
 RATE, SAMPLES, RECORDS = 100.0, 1100, 3
 
@@ -176,7 +177,7 @@ def test_what_a_form_may_be_off_by_does_not_ask_for_whole_records(white, monkeyp
     """A name that no other record shows stands beside structure that is small beside it, and not beside more."""
     outcome = _outcome(white, {2: 20.0 * np.sin(white.problem.train_state.position[:, 2])})
     one, form_error = outcome.named[0], white.problem.settings.form_error
-    monkeypatch.setattr("jointwear.discovery.search.leftovers.explained_elsewhere", lambda *_: 0.5)
+    monkeypatch.setattr("jointwear.discovery.search.standing_alone.explained_elsewhere", lambda *_: 0.5)
     assert nearly_all(outcome, [], one, 0.9, 0.9 * form_error * one.evidence)
     assert not nearly_all(outcome, [], one, 0.9, 1.1 * form_error * one.evidence)
     assert not nearly_all(outcome, [], one, 0.7, 0.0)

@@ -11,8 +11,8 @@ from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.search.changing_size import CHANGING, changing
-from jointwear.discovery.search.leftovers import stand_alone
 from jointwear.discovery.search.slow_noise import beside_slow_noise
+from jointwear.discovery.search.standing_alone import stand_alone
 from jointwear.effects import get_effect
 
 AXIS = 2

@@ -8,7 +8,7 @@ import pytest
 from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
-from jointwear.discovery.search.leftovers import stand_alone
+from jointwear.discovery.search.standing_alone import stand_alone
 
 AXIS = 1
 

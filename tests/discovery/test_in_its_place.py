@@ -10,7 +10,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.in_its_place import better_in_its_place
-from jointwear.discovery.search.leftovers import stand_alone
+from jointwear.discovery.search.standing_alone import stand_alone
 
 
 def _outcome(white, axis, candidate, torque):

@@ -10,8 +10,8 @@ from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
 from jointwear.discovery.presentation.page import lead
 from jointwear.discovery.problem.candidates import Candidate
-from jointwear.discovery.search.leftovers import stand_alone
 from jointwear.discovery.search.rocking import SWING, Rocking, rocking, swing_in_words
+from jointwear.discovery.search.standing_alone import stand_alone
 from jointwear.robots.rocking_base import RockingBase
 
 FREQUENCY, DAMPING = 6.3, 0.05

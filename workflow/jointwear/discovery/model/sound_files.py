@@ -21,7 +21,7 @@ from jointwear.discovery.model.left_out import mean_squares
 from jointwear.discovery.model.steps_back import WITHOUT
 from jointwear.discovery.model.written_robot import WrittenRobot, simulate_robot, written_robot
 from jointwear.discovery.problem.problem import Problem
-from jointwear.discovery.search.leftovers import left_open
+from jointwear.discovery.search.standing_alone import left_open
 
 #: A model with its robot files, "retuned" and "augmented", and the torque (m, n) [N m] of these and the given robot.
 Written = tuple[Final, dict[str, WrittenRobot], dict[str, np.ndarray]]

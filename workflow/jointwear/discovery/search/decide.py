@@ -33,8 +33,9 @@ from jointwear.discovery.search.acceptance import (
 )
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.forms_beyond import of_another_form
-from jointwear.discovery.search.leftovers import stand_alone, unexplained
+from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.search.posterior import weigh
+from jointwear.discovery.search.standing_alone import stand_alone
 from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.effects import get_effect
 

@@ -1,4 +1,4 @@
-"""Structure that the named effects leave, and what it means for those on the same axis."""
+"""Structure that the named effects leave: where it shows, whether it lasts, and whether it matters."""
 
 from __future__ import annotations
 
@@ -9,33 +9,18 @@ import numpy as np
 from scipy.stats import median_abs_deviation
 
 from jointwear.discovery import assumed
-from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.linear import Fit, Term, chance, chi_square, least_squares
-from jointwear.discovery.problem.candidates import LINK_MASS, Seen, of_bases, raw_columns, resolved_bases
+from jointwear.discovery.estimates.outcome import Outcome, Unexplained
+from jointwear.discovery.linear import Fit, chance, chi_square, least_squares
+from jointwear.discovery.problem.candidates import Seen, of_bases, resolved_bases
 from jointwear.discovery.problem.instruments import torque_noise
 from jointwear.discovery.problem.unresolved_steps import at_unresolved_steps
 from jointwear.discovery.problem.whitening import White
-from jointwear.discovery.search.acceptance import of_timing, predictive
-from jointwear.discovery.search.changing_size import changing
-from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.drives_at_rest import at_rest
-from jointwear.discovery.search.early_torque import EARLY, early
-from jointwear.discovery.search.encoder_wave import encoder_wave
-from jointwear.discovery.search.explained import explained, explained_elsewhere
-from jointwear.discovery.search.in_its_place import better_in_its_place
-from jointwear.discovery.search.least_torque import least_square, rms
+from jointwear.discovery.search.least_torque import least_square
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
-from jointwear.discovery.search.rocking import swing_beside, swing_terms, swings
 from jointwear.discovery.search.tolerance import with_tolerances
-from jointwear.discovery.search.windings import stiffens, wound_up_further_in
 from jointwear.discovery.structure import Basis
-from jointwear.effects import get_effect
-from jointwear.effects.state import record_slices
-from jointwear.files.wording import digits_apart, numbered, significant
 
-#: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
-#: together: half, by what the word means.
-MOST = 0.5
 #: Argument of structure that is a wave or a linear chirp.
 LINE = "line over time"
 #: Constant speeds of one joint that are left out, one after the other, each with a wave of its own.
@@ -65,7 +50,7 @@ def unexplained(
     fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
     if robust:
         unknown = {axis: at_unresolved_steps(white, axis) | at_rest(outcome, axis) for axis in problem.judged}
-        fit = _without_outliers(fit, problem.settings.noise_sigmas, unknown)
+        fit = without_outliers(fit, problem.settings.noise_sigmas, unknown)
     settings = problem.settings
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
@@ -213,7 +198,7 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
     return [u for u in outcome.unexplained if (u.axis, u.argument) in firm]
 
 
-def _without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray] | None = None) -> Fit:
+def without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray] | None = None) -> Fit:
     """Return the fit to targets in which no sample lies further off than noise does (winsorised, one step).
 
     Where half of the samples lie further off than that, they are no outliers: the scale is that of the residual itself.
@@ -237,219 +222,3 @@ def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
     chosen = height.max(axis=0) > NEAR * height.max()
     values = basis.values[rows][chosen]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
-
-
-def stand_alone(outcome: Outcome) -> None:
-    """Turn names on axes that stay unexplained into suspects, but for those that would stand on their own.
-
-    A name in whose place structure without a name explains more is a suspect on any axis, and so is one whose size
-    changes over time (:func:`.changing_size.changing`), one that is the wave of an encoder
-    (:func:`.encoder_wave.encoder_wave`), and an elastic gear that says nothing beside a swinging base, or whose
-    stiffness changes; a spring or gear that says nothing beside the wind-up of a joint further in is one too.
-    An effect stands on its own where it is worth more than any structure that is left, and is nearly all of what its
-    axes lacked (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its
-    axes in the model, and no other joint lacks the same; one of timing has to be most of it too, and a torque that is
-    early (:func:`.early_torque.early`) stands beside no structure.
-    An effect of the whole arm is asked where half of the axes that it moves stay unexplained. Changes `outcome`.
-    """
-    kept: list[Named] = []
-    swing = swing_beside(outcome) if any(swings(n) for n in outcome.named) else None
-    for one in outcome.named:
-        elsewhere = acts_elsewhere(outcome, one)
-        if elsewhere is not None:
-            outcome.suspects.append((one, f"joint {elsewhere + 1} lacks the same torque, and this effect acts on one"))
-            continue
-        ahead = encoder_wave(outcome, one)
-        if ahead is not None:
-            reason = (
-                f"it grows with the square of the speed, which explains {ahead:.0f} nats more: so does what an encoder "
-                "that is off by a wave makes of a controller that follows it"
-            )
-            outcome.suspects.append((one, reason))
-            outcome.unsteady.add(one.candidate.key)
-            continue
-        spread = changing(outcome, one)
-        if spread is not None:
-            words = f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
-            outcome.suspects.append((one, words))
-            outcome.unsteady.add(one.candidate.key)
-            continue
-        instead = better_in_its_place(outcome, one)
-        if instead is not None:
-            basis, axis, lead = instead
-            reason = f"structure over {basis.argument} of joint {axis + 1} explains {lead:.0f} nats more in its place"
-            outcome.suspects.append((one, reason))
-            continue
-        if swing is not None and swings(one):
-            others = [t for n in outcome.named if n is not one for t in n.terms]
-            if predictive(outcome.white, [*others, *swing_terms(outcome.white, swing)], one)[1]:
-                words = f"a base that swings with the motion, at {swing.frequency:.2g} Hz, could stand for it as well"
-                outcome.suspects.append((one, words))
-                continue
-        change = stiffens(outcome, one)
-        if change is not None:
-            words = f"its stiffness is not the same at all loads, it changes by {100 * change:.0f} % of itself"
-            outcome.suspects.append((one, words))
-            continue
-        inner = wound_up_further_in(outcome, one)
-        if inner is not None:
-            words = f"joint {inner + 1} stays unexplained further in, and its wind-up could stand for it as well"
-            outcome.suspects.append((one, words))
-            continue
-        axes = left_open(outcome, one)
-        if not axes:
-            kept.append(one)
-            continue
-        if early(outcome, one):
-            outcome.suspects.append((one, EARLY))
-            continue
-        where = numbered("joint", [a + 1 for a in axes])
-        most = max((u for u in outcome.unexplained if u.axis in axes), key=lambda u: u.nats)
-        if most.nats > one.evidence:
-            reason = f"{most.nats:.0f} nats over {most.argument} are left on {where}, more than it explains"
-            outcome.suspects.append((one, reason))
-            continue
-        others = [t for n in outcome.named if n is not one for t in n.terms]
-        found, failed = predictive(outcome.white, others, one)
-        share = found.share if failed else _share(outcome, others, one, found)
-        if failed:
-            gate, reached, needed = failed[0].gate, failed[0].reached, failed[0].needed
-            digits = digits_apart(reached, needed)
-            reason = f"{gate}: {significant(reached, digits)}, needed {significant(needed, digits)}"
-        elif share <= MOST and _shaken(one):
-            # The bases of structure hold no rates of torque: beside them it would pass whatever it stands for.
-            reason = f"explains {100 * share:.0f} % of what {where} lacks, and structure is left there"
-        elif (not _shaken(one) and nearly_all(outcome, others, one, share, most.nats)) or not predictive(
-            outcome.white, [*others, *_structures(outcome, one, axes)], one
-        )[1]:
-            kept.append(one)
-            continue
-        else:
-            reason = f"the structure that is left on {where} could stand for it as well"
-        outcome.suspects.append((one, reason))
-    if len(kept) != len(outcome.named):
-        outcome.named = kept
-        outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
-        outcome.unexplained, outcome.profile = unexplained(outcome)
-
-
-def _share(outcome: Outcome, others: list[Term], one: Named, found: CrossValidated) -> float:
-    """Return the share of what its axes lack that an effect explains, of which `found` says what it predicts.
-
-    A torque that is recorded late turns late too: beside reversals samples are left out by when the joint turns, not
-    by when the log says so, and the few that lie between must not decide.
-    """
-    white = outcome.white
-    if one.candidate.effect != LINK_MASS and get_effect(one.candidate.effect).late:
-        white = replace(white, targets=_without_outliers(outcome.fit, outcome.problem.settings.noise_sigmas).targets)
-        found, _ = predictive(white, others, one)
-    return explained(white, others, one, found)
-
-
-def nearly_all(outcome: Outcome, others: list[Term], one: Named, share: float, left: float) -> bool:
-    """Return whether an effect explains nearly all of what its axes lack, a `share` of it in parts of the records.
-
-    Whole records are asked too where the structure that is `left` there [nats] is more than what the form of the effect
-    may be off by.
-    """
-    settings = outcome.problem.settings
-    if share <= settings.nearly_all:
-        return False
-    of_its_form = left <= settings.form_error * one.evidence
-    return of_its_form or explained_elsewhere(outcome.white, others, one) > settings.nearly_all
-
-
-def _shaken(one: Named) -> bool:
-    """Return whether an effect is of timing: what shakes a joint at its own pace moves its load in time with it.
-
-    The noise model takes a part of that for noise, so that the share of what is left says nothing.
-    """
-    return of_timing(one.candidate)
-
-
-def left_open(outcome: Outcome, one: Named) -> list[int]:
-    """Return the unexplained axes of an effect; none for one of the whole arm that explains most axes that it moves."""
-    still = {u.axis for u in outcome.unexplained}
-    if one.candidate.effect == LINK_MASS:
-        return []
-    if one.candidate.axis is not None:
-        return [one.candidate.axis] if one.candidate.axis in still else []
-    size = outcome.fit.coefficients(one.term)
-    energy = {axis: float(np.sum((columns @ size) ** 2)) for axis, columns in one.term.blocks.items()}
-    moved = [axis for axis, e in energy.items() if e > outcome.problem.settings.visible]
-    left = [axis for axis in moved if axis in still]
-    return sorted(left) if 2 * len(left) >= len(moved) else []
-
-
-def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
-    """Return another axis that lacks, without a name, for the most part what an effect says of its own, or None.
-
-    Friction, a spring or a drift of one joint acts on that joint alone. Where a neighbour follows the same argument,
-    the cause lies between them, as a hose does: with a torque of the usual share of the effect's own at least. An
-    elastic gear shakes the other joints, and a shared drive is two.
-    """
-    candidate, white = one.candidate, outcome.white
-    if candidate.axis is None or candidate.effect == LINK_MASS:
-        return None
-    effect = get_effect(candidate.effect)
-    if effect.timing or effect.needs_source:
-        return None
-    settings, fit = outcome.problem.settings, outcome.fit
-    columns = raw_columns(white, candidate)
-    own = rms(columns @ fit.coefficients(one.term), outcome.problem.usable[:, candidate.axis])
-    for axis in sorted({u.axis for u in outcome.unexplained} - {candidate.axis}):
-        x, residual = white.columns(axis, columns), fit.residual[axis]
-        b, gram = fit.gram({axis: x})
-        statistic, freedom = chi_square(b, gram, x.T @ x)
-        lacking = float(residual @ residual) - len(residual)
-        if 0.5 * (statistic - freedom) <= settings.accept or statistic <= MOST * max(lacking, 0.0):
-            continue
-        there = columns @ np.linalg.lstsq(gram, b, rcond=None)[0]
-        if rms(there, outcome.problem.usable[:, axis]) > settings.usual * own:
-            return axis
-    return None
-
-
-def _structures(outcome: Outcome, one: Named, axes: list[int]) -> list[Term]:
-    """Return terms for the unexplained structure of some axes, beside which an effect is asked again."""
-    terms = [t for a in axes for t in structure_terms(outcome, a)]
-    return terms + [t for a in axes for t in _waves(outcome, a)] if _shaken(one) else terms
-
-
-def _waves(outcome: Outcome, axis: int) -> list[Term]:
-    """Return terms for unexplained lines over time of one axis: waves of each record as close as it can tell apart."""
-    problem, white = outcome.problem, outcome.white
-    state, found = problem.train_state, [u for u in outcome.unexplained if (u.axis, u.argument) == (axis, LINE)]
-    columns = []
-    for line in found:
-        for piece in record_slices(state):
-            if piece.stop - piece.start < 2:
-                continue
-            time = state.time[piece] - state.time[piece.start]
-            apart = 1.0 / float(time[-1])
-            reach = line.high - line.low + apart
-            for frequency in np.arange(max(line.low - reach, 0.5 * apart), line.low + reach, apart):
-                for wave in (np.sin, np.cos):
-                    columns.append(np.zeros(len(state.time)))
-                    columns[-1][piece] = wave(2 * np.pi * frequency * time)
-    if not columns:
-        return []
-    every = np.column_stack(columns)
-    std = np.full(every.shape[1], problem.widest[axis])
-    return [Term(f"lines of {axis}", {axis: white.columns(axis, every)}, std, {axis: white.raw(axis, every)})]
-
-
-def structure_terms(outcome: Outcome, axis: int) -> list[Term]:
-    """Return terms for the unexplained structure of one axis."""
-    problem, white = outcome.problem, outcome.white
-    wanted = {u.argument for u in outcome.unexplained if u.axis == axis}
-    terms = []
-    for basis in white.bases(axis):
-        if basis.argument not in wanted:
-            continue
-        columns = white.columns(axis, basis.columns)
-        good = np.sum(columns**2, axis=0) > 1e-9
-        std = np.full(int(good.sum()), problem.widest[axis])
-        raw = white.raw(axis, basis.columns[:, good])
-        terms.append(Term(f"structure over {basis.argument}", {axis: columns[:, good]}, std, {axis: raw}))
-    return terms

@@ -12,7 +12,7 @@ from jointwear.discovery.estimates.scan import Scored, contenders, scan
 from jointwear.discovery.linear import Fit
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.calibration import COARSE, calibrated
-from jointwear.discovery.search.leftovers import left_open
+from jointwear.discovery.search.standing_alone import left_open
 
 #: Rivals of one effect that are weighed with the tolerance of their form.
 BEAM = 8

@@ -34,7 +34,8 @@ from jointwear.discovery.noise.noise_spectrum import (
     steadied,
 )
 from jointwear.discovery.problem.whitening import White, whiten
-from jointwear.discovery.search.leftovers import LINE, structure_terms
+from jointwear.discovery.search.leftovers import LINE
+from jointwear.discovery.search.standing_alone import structure_terms
 from jointwear.discovery.search.tolerance import with_tolerances
 
 #: How often the search is run again at most: each time less is held beside the noise.
