@@ -24,7 +24,7 @@ def lacking(white, curve):
     discrepancy[:, AXIS] += curve(np.abs(velocity)) * np.sign(velocity)
     targets = [y.copy() for y in white.targets]
     targets[AXIS] = white.columns(AXIS, discrepancy[problem.train, AXIS])
-    return replace(white, problem=replace(problem, discrepancy=discrepancy), targets=targets, _states={})
+    return replace(white, problem=replace(problem, discrepancy=discrepancy), targets=targets)
 
 
 def named(white, exponent):

@@ -23,7 +23,7 @@ def test_ends_of_records_do_not_shake_a_gear(white):
         load[rows[-ends:]] += 100.0
     problem = replace(white.problem)
     problem.__dict__["train_state"] = replace(state, load=load)
-    wild = raw_torques(replace(white, problem=problem, _states={}), gear)[1]
+    wild = raw_torques(replace(white, problem=problem), gear)[1]
     assert ends > 0
     assert np.abs(wild - calm).max() < 1e-9
 

@@ -179,7 +179,7 @@ def test_a_delay_above_the_band_of_its_columns_is_no_structure(rough):
     """What the band limit of an instrument takes off is part of the tolerance of the effect."""
     axis = rough.problem.judged[0]
     cutoffs = [Cutoffs(timing=0.4, torque=8.0, judged=8.0, late=0.4)] * len(rough.cutoffs)
-    asked = replace(rough, base=[], cutoffs=cutoffs, _states={})
+    asked = replace(rough, base=[], cutoffs=cutoffs)
     candidate = Candidate("actuation_delay", axis, None, {"delay": 0.02, "lag": 0})
     columns = raw_columns(asked, candidate)
     term = Term("delay", {axis: rough.columns(axis, columns)}, np.ones(1), {axis: asked.raw(axis, columns)})

@@ -123,7 +123,7 @@ def test_a_payload_is_named_while_the_first_joint_rests(robot):
 
 def test_what_could_not_be_asked_is_not_said_to_have_passed(healthy, robot, monkeypatch):
     assert any("no other sign" in words for words in check_data(healthy, robot).passed)
-    monkeypatch.setattr(checked, "check_axes", lambda *_: False)
+    monkeypatch.setattr(checked, "check_axes_and_zero", lambda *_: False)
     told = check_data(healthy, robot)
     assert checked.UNASKED in told.restrictions
     assert not any("no other sign" in words for words in told.passed)

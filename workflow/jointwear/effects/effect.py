@@ -112,6 +112,7 @@ class Effect:
     floats : where the torque is zero is not known from the data, because a constant is a correction of the friction.
     widths : prior standard deviations of the coefficients, as multiples of what is usual; empty: all usual.
     waves : (state, axis, nonlinear) -> waves in one radian of the joint, where a fast joint may outrun the sampling.
+    as_wound : over the positions or loads of its joint it looks like the wind-up of a gear further in.
     as_seen : the form is a curve through the arguments that were seen and no law: beyond them it may be another.
     left : (state, axis, nonlinear) -> share (...,) of such a wave that the filters of a recording leave.
     regime : (state, axis, source, nonlinear) -> values (...,) of the argument; the argument of `shape` by default.
@@ -168,6 +169,7 @@ class Effect:
     of_torque: bool = False
     vanishes_at: str = ""
     floats: bool = False
+    as_wound: bool = False
     as_seen: bool = False
     widths: tuple[float, ...] = ()
     waves: Callable[[State, int, Parameters], float] | None = None

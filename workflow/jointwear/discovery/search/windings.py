@@ -17,11 +17,10 @@ from jointwear.discovery.search.acceptance import predictive
 from jointwear.discovery.search.least_torque import rms
 from jointwear.discovery.search.rocking import swings
 from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.effects import get_effect
 from jointwear.effects.order import second_derivative
 from jointwear.effects.swing import wind_up
 
-#: Effects of one joint that the wind-up of a joint further in looks like.
-LIKE_WINDING = ("joint_spring", "joint_flexibility")
 #: Share by which the stiffness is moved to learn what that changes.
 STEP = 0.2
 
@@ -66,7 +65,7 @@ def stiffens(outcome: Outcome, one: Named) -> float | None:
 def wound_up_further_in(outcome: Outcome, one: Named) -> int | None:
     """Return an unexplained 0-based axis further in whose wind-up leaves a name nothing to say, None for none."""
     candidate, state = one.candidate, outcome.problem.train_state
-    if candidate.effect == LINK_MASS or candidate.effect not in LIKE_WINDING or state.wind_up_regressor is None:
+    if candidate.effect == LINK_MASS or not get_effect(candidate.effect).as_wound or state.wind_up_regressor is None:
         return None
     others = [t for n in outcome.named if n is not one for t in n.terms]
     lacking = {u.axis for u in outcome.unexplained} | {n.candidate.axis for n, _ in outcome.suspects if swings(n)}

@@ -131,6 +131,7 @@ EFFECT = Effect(
     spreads=_spreads,
     spread=_spread,
     timing=True,
+    as_wound=True,
     of_load=True,
     bend=timing_bend(),
     sequential=True,

@@ -63,6 +63,7 @@ EFFECT = Effect(
     # than the preload of a spring, so that a spring takes its preload before friction has to change its sign.
     widths=(1.0, 1.0, 1.0, 10.0),
     shape=_shape,
+    as_wound=True,
     as_seen=True,
     bend=table_bend(_shape, 6, law=_law),
 )
