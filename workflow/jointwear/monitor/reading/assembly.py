@@ -104,7 +104,7 @@ def _replays(pieces: Sequence[Piece], keys: Sequence[tuple | None], apart: Set[i
     """Return in words, by its place among `pieces`, which log every log replays that does; those `apart` take no
     part."""
     first = [p.first for p in pieces]
-    found = replayed([p.log for p in pieces], [p.statistics for p in pieces], first, keys, apart)
+    found = replayed([p.statistics for p in pieces], first, keys, apart)
     return {k: replayed_words(pieces[k].log, pieces[other].log, first[k] - first[other]) for k, other in found.items()}
 
 

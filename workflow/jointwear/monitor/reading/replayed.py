@@ -31,7 +31,6 @@ def torque_marks(statistics: WindowStatistics) -> tuple | None:
 
 
 def replayed(
-    logs: Sequence[str],
     statistics: Sequence[WindowStatistics],
     first: Sequence[float],
     keys: Sequence[tuple | None],
@@ -42,14 +41,14 @@ def replayed(
 
     Parameters
     ----------
-    logs : (p,) names. statistics : of each. first : (p,) times of the first samples [s]. keys : (p,) what logs with the
-        same samples at the same times share, None where nothing tells; such copies are none of these. apart : places
-        of logs that take no part.
+    statistics : (p,) of each log. first : (p,) times of the first samples [s]. keys : (p,) what logs with the same
+        samples at the same times share, None where nothing tells; such copies are none of these. apart : places of
+        logs that take no part.
     """
     alike: dict[tuple, list[int]] = {}
     known: set[tuple] = set()
-    for k in range(len(logs)):
-        key, marks = keys[k], torque_marks(statistics[k])
+    for k, (own, key) in enumerate(zip(statistics, keys, strict=True)):
+        marks = torque_marks(own)
         if k in apart or marks is None or key in known:
             continue
         if key is not None:

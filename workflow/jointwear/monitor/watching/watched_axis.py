@@ -104,8 +104,9 @@ class WatchedAxis:
                 self.predicted[rows] = spread + normal.design.besides[rows]
                 apart = posterior.given(normal.design.alike if alike else ())
                 if alike:
-                    self.common[rows] = spread - apart.predict(clean[rows])[1]
-                    self.common[rows] += COMMON_OF_TEMPERATURE * normal.design.besides[rows]
+                    self.common[rows] = COMMON_OF_TEMPERATURE * normal.design.besides[rows]
+                if apart is not posterior:
+                    self.common[rows] += spread - apart.predict(clean[rows])[1]
                 self.which[rows] = len(self.states)
                 self.states.append(apart)
                 fresh = rows[~learnt[rows]]
