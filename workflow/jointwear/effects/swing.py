@@ -21,6 +21,11 @@ SOFTEST = 0.1
 FADED = 7.0
 
 
+def drag_of(stiffness: float, inertia: float, damping: float) -> float:
+    """Return D [N m s/rad] of a `damping` over that at which a swing ends, of K [N m/rad] and an inertia [kg m2]."""
+    return 2.0 * damping * np.sqrt(stiffness * inertia)
+
+
 def wind_up(
     state: State,
     load: np.ndarray,

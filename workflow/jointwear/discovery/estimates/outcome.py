@@ -100,6 +100,10 @@ class Outcome:
     not_tried: dict[tuple[str, int | None], str] = field(default_factory=dict)
     force: np.ndarray | None = None
 
+    def terms_beside(self, one: Named) -> list[Term]:
+        """Return the terms of all names but one, which is one of them."""
+        return [t for n in self.named if n is not one for t in n.terms]
+
     @property
     def noise_floor(self) -> list[float | None]:
         """Standard deviation of the noise of the torque of every axis, that of derived accelerations too [N m], None

@@ -103,7 +103,7 @@ def _believe_no_bent_links(outcome: Outcome) -> None:
     bent = {u.axis for u in outcome.unexplained}
     refused = []
     for one in outcome.named:
-        others = [t for n in outcome.named if n is not one for t in n.terms]
+        others = outcome.terms_beside(one)
         witnesses = bent - {one.candidate.axis} if of_drive(one.candidate) else set()
         nats = nats_without_witnesses(outcome.white, others, one, witnesses) if witnesses else np.inf
         if nats < half:

@@ -6,8 +6,7 @@ import numpy as np
 
 from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.problem.candidates import LINK_MASS
-from jointwear.discovery.search.in_its_place import evidence_of
-from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.search.in_its_place import place_of
 from jointwear.effects import get_effect
 
 
@@ -24,7 +23,7 @@ def encoder_wave(outcome: Outcome, one: Named) -> float | None:
     As for :func:`.in_its_place.better_in_its_place` the wave has to be ahead by `accept` and by what the name loses for
     its form, and must not explain as much beside the name.
     """
-    candidate, white, settings = one.candidate, outcome.white, outcome.problem.settings
+    candidate, white = one.candidate, outcome.white
     if candidate.effect == LINK_MASS or get_effect(candidate.effect).waves is None:
         return None
     axis, state = candidate.axis, white.problem.train_state
@@ -32,13 +31,5 @@ def encoder_wave(outcome: Outcome, one: Named) -> float | None:
     square = state.velocity[:, axis] ** 2
     usual = float(np.mean(square[outcome.problem.usable[:, axis]]))
     x = white.columns(axis, state.waves_of(axis, waves) * (square / usual)[:, None])
-    rest = [n for n in outcome.named if n is not one]
-    without, beside = (
-        white.fit([*with_tolerances(white, named), *white.attenuation]) for named in (rest, [*rest, one])
-    )
-    own = max(beside.evidence - without.evidence, 0.0)
-    nats = evidence_of(outcome, axis, *without.gram({axis: x}))
-    lead = nats - own
-    if lead <= settings.accept + settings.form_error**2 * own:
-        return None
-    return lead if nats - evidence_of(outcome, axis, *beside.gram({axis: x})) > settings.accept else None
+    place = place_of(outcome, one)
+    return place.lead(axis, x, *place.without.gram({axis: x}))

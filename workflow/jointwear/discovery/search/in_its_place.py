@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from jointwear.discovery.estimates.outcome import Named, Outcome
-from jointwear.discovery.linear import gain
+from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.problem.candidates import LINK_MASS, of_bases, resolved_bases
-from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.search.tolerance import fit_beside_forms
 from jointwear.discovery.structure import Basis
 from jointwear.effects import get_effect
 
@@ -31,25 +33,45 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     -------
     the structure, its 0-based axis and the nats by which it is ahead.
     """
-    white = outcome.white
+    place, best = place_of(outcome, one), None
+    for axis in asked_of(one):
+        rivals = [basis for basis in resolved_bases(outcome.white, axis) if not of_its_form(one, basis.argument)]
+        for basis, seen in of_bases(outcome.white, place.without, axis, rivals):
+            lead = place.lead(axis, seen.columns, seen.b, seen.gram, 0.0 if best is None else best[2])
+            best = best if lead is None else (basis, axis, lead)
+    return best
+
+
+@dataclass(frozen=True)
+class Place:
+    """The place of a name: fits `without` it and `with_it`, what it explains there, `own` [nats], and by how many nats
+    something else has to be ahead of that, `needed`."""
+
+    outcome: Outcome
+    without: Fit
+    with_it: Fit
+    own: float
+    needed: float
+
+    def lead(self, axis: int, columns: np.ndarray, b: np.ndarray, gram: np.ndarray, least: float = 0.0) -> float | None:
+        """Return by how many nats whitened columns of one axis, with `b` and `gram` of the fit `without`, are ahead of
+        the name; None where it is no more than `least`, or they explain as much beside the name."""
+        nats = evidence_of(self.outcome, axis, b, gram)
+        if nats - self.own <= max(self.needed, least):
+            return None
+        beside = evidence_of(self.outcome, axis, *self.with_it.gram({axis: columns}))
+        return nats - self.own if nats - beside > self.outcome.problem.settings.accept else None
+
+
+def place_of(outcome: Outcome, one: Named) -> Place:
+    """Return the place of a name among all names, with the tolerances of their forms."""
+    white, settings = outcome.white, outcome.problem.settings
     rest = [n for n in outcome.named if n is not one]
-    before = [*with_tolerances(white, rest), *white.attenuation]
-    fit = white.fit(before)
     # What noise takes off fitted inertias may stand for all of a torque constant, and what is left of the name is the
     # price of its tolerance: then there is nothing that structure could explain in its place.
-    beside = white.fit([*with_tolerances(white, [*rest, one]), *white.attenuation])
-    own, settings = max(beside.evidence - fit.evidence, 0.0), outcome.problem.settings
-    needed = settings.accept + settings.form_error**2 * own
-    best = None
-    for axis in asked_of(one):
-        rivals = [basis for basis in resolved_bases(white, axis) if not of_its_form(one, basis.argument)]
-        for basis, seen in of_bases(white, fit, axis, rivals):
-            nats = evidence_of(outcome, axis, seen.b, seen.gram)
-            if nats - own <= (needed if best is None else best[2]):
-                continue
-            if nats - evidence_of(outcome, axis, *beside.gram({axis: seen.columns})) > settings.accept:
-                best = basis, axis, nats - own
-    return best
+    without, with_it = (fit_beside_forms(white, named) for named in (rest, [*rest, one]))
+    own = max(with_it.evidence - without.evidence, 0.0)
+    return Place(outcome, without, with_it, own, settings.accept + settings.form_error**2 * own)
 
 
 def asked_of(one: Named) -> list[int]:

@@ -18,7 +18,7 @@ from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.drives_at_rest import at_rest
 from jointwear.discovery.search.least_torque import least_square
 from jointwear.discovery.search.residual_lines import Line, chance_of, strongest_line, where_strongest
-from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.search.tolerance import fit_beside_forms
 from jointwear.discovery.structure import Basis
 
 #: Argument of structure that is a wave or a linear chirp.
@@ -47,7 +47,7 @@ def unexplained(
     """
     problem, white = outcome.problem, outcome.white
     # What a form that is a little off leaves behind is no structure of its own.
-    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
+    fit = fit_beside_forms(white, outcome.named)
     if robust:
         unknown = {axis: at_unresolved_steps(white, axis) | at_rest(outcome, axis) for axis in problem.judged}
         fit = without_outliers(fit, problem.settings.noise_sigmas, unknown)

@@ -21,9 +21,9 @@ from jointwear.discovery.linear import Fit, Term, chance
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.least_torque import least_square
-from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.search.tolerance import fit_beside_forms
 from jointwear.effects import get_effect
-from jointwear.effects.swing import wind_up
+from jointwear.effects.swing import drag_of, wind_up
 from jointwear.robots.rocking_base import WAYS, RockingBase
 
 #: Argument of structure that swings with the motion.
@@ -39,12 +39,11 @@ COARSE, HINT = 2, 0.5
 
 @dataclass(frozen=True)
 class Swing:
-    """A swing of the base with what it is worth [nats] more than one that is dull; `size` (2,) 1 if robot file and
-    stiffness are right."""
+    """A swing of the base, with its `torque` (m, n) [N m] at the joints and what it is worth [nats]: `lead` more than
+    one that is dull, `left_out` in records that had no part in choosing it."""
 
     frequency: float
-    damping: float
-    size: np.ndarray
+    torque: np.ndarray
     nats: float
     freedom: int
     lead: float
@@ -72,7 +71,7 @@ class Rocking:
             inertia = by_acceleration[:, way, way]
             mean = float(np.mean(inertia))
             stiffness = mean * (2.0 * np.pi * frequency) ** 2
-            drag = 2.0 * damping * np.sqrt(stiffness * mean)
+            drag = drag_of(stiffness, mean, damping)
             angle, acceleration = wind_up(state, -moments[:, way], inertia, stiffness, drag)
             torque = by_acceleration[:, way] * acceleration[:, None] + by_angle[:, way] * angle[:, None]
             result.append(torque[:, WAYS:])
@@ -101,12 +100,8 @@ class Rocking:
         # Hardly any frequency is left in what is dull.
         dull = [self._sums(fit, f, DULL) for f in FREQUENCIES[:: len(DAMPINGS) + 1]]
         lead = nats - max(_said(b.sum(axis=0), gram.sum(axis=0))[0] for b, gram in dull)
-        return Swing(frequency, damping, size, nats, freedom, lead, _left_out(sums))
-
-    def blocks(self, swing: Swing) -> dict[int, np.ndarray]:
-        """Return axis -> whitened torque (m, 1) of a swing."""
-        torques = self.torques(swing.frequency, swing.damping) @ swing.size
-        return {axis: self.white.columns(axis, torques[:, [axis]]) for axis in self.white.problem.judged}
+        torque = self.torques(frequency, damping) @ size
+        return Swing(frequency, torque, nats, freedom, lead, _left_out(sums))
 
     def _sums(self, fit: Fit, frequency: float, damping: float) -> tuple[np.ndarray, np.ndarray]:
         """Return b (folds, 2) and H (folds, 2, 2) of the torques of a swing, less what the terms of a fit can say."""
@@ -135,16 +130,13 @@ def rocking(outcome: Outcome) -> list[Unexplained]:
     swing = swing_beside(outcome)
     if swing is None:
         return []
-    white, settings, rocks = outcome.white, outcome.problem.settings, Rocking(outcome.white)
-    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
-    torques, found = rocks.torques(swing.frequency, swing.damping) @ swing.size, []
-    for axis, columns in rocks.blocks(swing).items():
+    white, settings = outcome.white, outcome.problem.settings
+    fit, p, found = fit_beside_forms(white, outcome.named), max(min(1.0, _chance(outcome, swing)), 1e-300), []
+    for axis, columns in _blocks(white, swing).items():
         b, gram = fit.gram({axis: columns})
         nats = float(b[0] - 0.5 * gram[0, 0])
-        size = float(np.mean(torques[outcome.problem.usable[:, axis], axis] ** 2))
+        size = float(np.mean(swing.torque[outcome.problem.usable[:, axis], axis] ** 2))
         if nats > settings.accept and size > least_square(outcome, axis):
-            p, _ = chance(2.0 * swing.nats + swing.freedom, swing.freedom, _samples(white))
-            p = max(min(1.0, len(FREQUENCIES) * len(DAMPINGS) * p), 1e-300)
             found.append(Unexplained(axis, SWING, "Hz", swing.frequency, swing.frequency, p, nats))
     return found
 
@@ -157,19 +149,17 @@ def swing_beside(outcome: Outcome) -> Swing | None:
     """
     if outcome.white is None:
         return None
-    white, settings = outcome.white, outcome.problem.settings
+    settings = outcome.problem.settings
     least = max([settings.accept, *(settings.form_error * n.evidence for n in outcome.named if swings(n))])
-    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
-    swing = Rocking(white).found(fit, settings.accept)
+    fit = fit_beside_forms(outcome.white, outcome.named)
+    swing = Rocking(outcome.white).found(fit, settings.accept)
     return swing if swing is not None and _sure(outcome, swing, least) else None
 
 
 def swing_terms(white: White, swing: Swing) -> list[Term]:
     """Return the term of a swing of the base, beside which an elastic gear is asked again."""
-    torques = Rocking(white).torques(swing.frequency, swing.damping) @ swing.size
-    blocks = {axis: white.columns(axis, torques[:, [axis]]) for axis in white.problem.judged}
-    raw = {axis: white.raw(axis, torques[:, [axis]]) for axis in white.problem.judged}
-    return [Term(SWING, blocks, np.ones(1), raw)]
+    raw = {axis: white.raw(axis, swing.torque[:, [axis]]) for axis in white.problem.judged}
+    return [Term(SWING, _blocks(white, swing), np.ones(1), raw)]
 
 
 def swings(one: Named) -> bool:
@@ -193,18 +183,23 @@ def swing_in_words(structure: Sequence[Unexplained]) -> list[str]:
 def _sure(outcome: Outcome, swing: Swing, least: float) -> bool:
     """Return whether noise, or a model that is off without swinging, does not feign a swing of so many nats."""
     settings = outcome.problem.settings
-    p, _ = chance(2.0 * swing.nats + swing.freedom, swing.freedom, _samples(outcome.white))
-    searched = len(FREQUENCIES) * len(DAMPINGS)
     return (
-        searched * p < settings.unexplained_p
+        _chance(outcome, swing) < settings.unexplained_p
         and swing.nats > least
         and swing.lead > settings.accept
         and swing.left_out > settings.accept
     )
 
 
-def _samples(white: White) -> int:
-    return sum(len(y) for y in white.targets)
+def _chance(outcome: Outcome, swing: Swing) -> float:
+    """Return how many swings as good as one noise is expected to hold, of all that are searched."""
+    samples = sum(len(y) for y in outcome.white.targets)
+    return len(FREQUENCIES) * len(DAMPINGS) * chance(2.0 * swing.nats + swing.freedom, swing.freedom, samples)[0]
+
+
+def _blocks(white: White, swing: Swing) -> dict[int, np.ndarray]:
+    """Return axis -> whitened torque (m, 1) of a swing."""
+    return {axis: white.columns(axis, swing.torque[:, [axis]]) for axis in white.problem.judged}
 
 
 def _said(b: np.ndarray, gram: np.ndarray) -> tuple[float, np.ndarray, int]:

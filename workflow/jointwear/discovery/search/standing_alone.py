@@ -59,21 +59,17 @@ def _acts_on_two(outcome: Outcome, one: Named) -> str | None:
 
 def _unsteady(outcome: Outcome, one: Named) -> str | None:
     """Say of an effect that is not the same at all times, or speeds, that it is not; `outcome` notes it."""
-    ahead, reason = encoder_wave(outcome, one), None
-    if ahead is not None:
-        reason = (
-            f"it grows with the square of the speed, which explains {ahead:.0f} nats more: so does what an encoder "
-            "that is off by a wave makes of a controller that follows it"
-        )
-    else:
-        spread = changing(outcome, one)
-        if spread is not None:
-            reason = (
-                f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
-            )
-    if reason is not None:
-        outcome.unsteady.add(one.candidate.key)
-    return reason
+    ahead = encoder_wave(outcome, one)
+    spread = changing(outcome, one) if ahead is None else None
+    if ahead is None and spread is None:
+        return None
+    outcome.unsteady.add(one.candidate.key)
+    if ahead is None:
+        return f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
+    return (
+        f"it grows with the square of the speed, which explains {ahead:.0f} nats more: so does what an encoder that is "
+        "off by a wave makes of a controller that follows it"
+    )
 
 
 def _in_its_place(outcome: Outcome, one: Named) -> str | None:
@@ -89,7 +85,7 @@ def _swings_along(swing: Swing | None, outcome: Outcome, one: Named) -> str | No
     """Say that an elastic gear predicts nothing beside a base that swings."""
     if swing is None or not swings(one):
         return None
-    if not predictive(outcome.white, [*_others(outcome, one), *swing_terms(outcome.white, swing)], one)[1]:
+    if not predictive(outcome.white, [*outcome.terms_beside(one), *swing_terms(outcome.white, swing)], one)[1]:
         return None
     return f"a base that swings with the motion, at {swing.frequency:.2g} Hz, could stand for it as well"
 
@@ -122,7 +118,7 @@ def _beside_structure(outcome: Outcome, one: Named) -> str | None:
     most = max((u for u in outcome.unexplained if u.axis in axes), key=lambda u: u.nats)
     if most.nats > one.evidence:
         return f"{most.nats:.0f} nats over {most.argument} are left on {where}, more than it explains"
-    others = _others(outcome, one)
+    others = outcome.terms_beside(one)
     found, failed = predictive(outcome.white, others, one)
     if failed:
         gate, reached, needed = failed[0].gate, failed[0].reached, failed[0].needed
@@ -137,10 +133,6 @@ def _beside_structure(outcome: Outcome, one: Named) -> str | None:
     if predictive(outcome.white, [*others, *_structures(outcome, one, axes)], one)[1]:
         return f"the structure that is left on {where} could stand for it as well"
     return None
-
-
-def _others(outcome: Outcome, one: Named) -> list[Term]:
-    return [t for n in outcome.named if n is not one for t in n.terms]
 
 
 def _share(outcome: Outcome, others: list[Term], one: Named, found: CrossValidated) -> float:

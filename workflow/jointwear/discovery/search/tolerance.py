@@ -27,6 +27,12 @@ def with_tolerances(white: White, named: list[Named]) -> list[Term]:
     return terms + [x for n in named for x in _tolerance(white, n, fit, fit.theta[places[id(n.term)]])]
 
 
+def fit_beside_forms(white: White, named: list[Named]) -> Fit:
+    """Return the fit of named effects in which neither the tolerance of their forms nor what noise takes off fitted
+    inertias is left: what it leaves is of something else."""
+    return white.fit([*with_tolerances(white, named), *white.attenuation])
+
+
 def _tolerance(white: White, one: Named, fit: Fit, coefficients: np.ndarray) -> list[Term]:
     """Return one term per axis: the torque of the effect over its records, position, speed and direction."""
     problem = white.problem

@@ -16,10 +16,10 @@ from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.search.acceptance import predictive
 from jointwear.discovery.search.least_torque import rms
 from jointwear.discovery.search.rocking import swings
-from jointwear.discovery.search.tolerance import with_tolerances
+from jointwear.discovery.search.tolerance import fit_beside_forms
 from jointwear.effects import get_effect
 from jointwear.effects.order import second_derivative
-from jointwear.effects.swing import wind_up
+from jointwear.effects.swing import drag_of, wind_up
 
 #: Share by which the stiffness is moved to learn what that changes.
 STEP = 0.2
@@ -40,7 +40,7 @@ def stiffens(outcome: Outcome, one: Named) -> float | None:
     by_acceleration, by_angle = regressor(axis)
     load, inertia = state.load[:, axis], by_acceleration[:, axis]
     stiffness = p["inertia"] / p["inertia_over_stiffness"]
-    drag = 2.0 * p["damping"] * np.sqrt(stiffness * p["inertia"])
+    drag = drag_of(stiffness, p["inertia"], p["damping"])
 
     def lag(more: np.ndarray) -> np.ndarray:
         twist, acceleration = wind_up(state, load, inertia, stiffness, drag, by_angle[:, axis] + more)
@@ -52,7 +52,7 @@ def stiffens(outcome: Outcome, one: Named) -> float | None:
         a: white.columns(a, white.of_swing(a, change[:, [a]], p["inertia_over_stiffness"], p["damping"]))
         for a in problem.judged
     }
-    fit = white.fit([*with_tolerances(white, outcome.named), *white.attenuation])
+    fit = fit_beside_forms(white, outcome.named)
     full = sum(x.T @ x for x in blocks.values())
     b, gram = fit.gram(blocks)
     statistic, freedom = chi_square(b, gram, full)
@@ -67,7 +67,7 @@ def wound_up_further_in(outcome: Outcome, one: Named) -> int | None:
     candidate, state = one.candidate, outcome.problem.train_state
     if candidate.effect == LINK_MASS or not get_effect(candidate.effect).as_wound or state.wind_up_regressor is None:
         return None
-    others = [t for n in outcome.named if n is not one for t in n.terms]
+    others = outcome.terms_beside(one)
     lacking = {u.axis for u in outcome.unexplained} | {n.candidate.axis for n, _ in outcome.suspects if swings(n)}
     for inner in sorted(a for a in lacking if a is not None and a < candidate.axis):
         if predictive(outcome.white, [*others, _wind_up_of(outcome, inner, candidate.axis)], one)[1]:

@@ -5,7 +5,7 @@ import numpy as np
 from jointwear.effects.bends import timing_bend
 from jointwear.effects.effect import Derived, Effect, Parameter
 from jointwear.effects.order import first_derivative, second_derivative
-from jointwear.effects.swing import wind_up
+from jointwear.effects.swing import drag_of, wind_up
 
 #: Jm G^2 / K [s^2] to start from, for drives of 2 to 23 Hz; reversals of the motor move with it.
 _SHARES = (5e-5, 1.3e-4, 3.2e-4, 8e-4, 2e-3, 5e-3)
@@ -38,7 +38,7 @@ def _lag(state, axis, p, axes):
     load, inertia = state.load[..., axis], by_acceleration[..., axis]
     if state.record is None:
         return np.zeros(np.shape(state.position[..., axes]))
-    drag = 2.0 * p.get("damping", _DAMPING) * np.sqrt(stiffness * p["inertia"])
+    drag = drag_of(stiffness, p["inertia"], p.get("damping", _DAMPING))
     key = "wind-up", axis, stiffness, drag
     keep = p["inertia_over_stiffness"] in _SWINGS
     twist, acceleration = state.once(
