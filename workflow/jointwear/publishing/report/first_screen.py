@@ -8,7 +8,7 @@ from typing import Any
 from jointwear.files.wording import count
 from jointwear.publishing.report.numbers import fixed, number, percent
 from jointwear.publishing.report.wording import FIGURE_SCORES
-from jointwear.reproduction.verdicts import AGREES, NOT_COMPARABLE
+from jointwear.reproduction.verdicts import AGREES, CLOSE, NOT_COMPARABLE
 
 Line = dict[str, str]
 #: Where the report explains a statement; the anchor of a heading.
@@ -49,7 +49,7 @@ def _findings(data: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
         ),
         "figures": (
             "Figures 1 to 3",
-            f"{drawn.count(AGREES)} of {count(len(drawn), 'comparison')} agree"
+            f"{drawn.count(AGREES)} of {count(len(drawn), 'comparison')} agree, {drawn.count(CLOSE)} come close"
             + (f"; KL divergence up to {divergence}" if peak["verdict"] != NOT_COMPARABLE else ""),
         ),
     }
