@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.estimates.outcome import Named
+from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, prior_std, raw_columns
 from jointwear.discovery.problem.whitening import INERTIAL
@@ -33,6 +33,11 @@ def _bent(white):
     return replace(white, targets=targets)
 
 
+def _outcome(white, one, unexplained):
+    left = [SimpleNamespace(axis=a) for a in unexplained]
+    return Outcome(white.problem, white, None, None, named=[one], unexplained=left)
+
+
 @pytest.fixture(scope="module")
 def bent(white):
     return _bent(white)
@@ -57,22 +62,14 @@ def test_such_a_gain_is_taken_back_where_that_axis_stays_unexplained(of_data, ax
     white = request.getfixturevalue(of_data)
     settled = []
     monkeypatch.setattr(decide, "settle", settled.append)
-    outcome = SimpleNamespace(
-        problem=white.problem,
-        white=white,
-        named=[_gain(white)],
-        refusals=[],
-        unexplained=[SimpleNamespace(axis=a) for a in axes],
-    )
+    outcome = _outcome(white, _gain(white), axes)
     decide._believe_no_bent_links(outcome)
     assert bool(outcome.named) == stays
     assert len(settled) == len(outcome.refusals) == (not stays)
 
 
 def test_its_own_axis_is_asked_all_the_same(bent):
-    outcome = SimpleNamespace(
-        problem=bent.problem, white=bent, named=[_gain(bent)], refusals=[], unexplained=[SimpleNamespace(axis=ELBOW)]
-    )
+    outcome = _outcome(bent, _gain(bent), {ELBOW})
     decide._believe_no_bent_links(outcome)
     assert outcome.named
 
@@ -89,7 +86,7 @@ def test_a_gain_of_a_load_that_links_correct_by_a_large_share_is_not_believed(wr
     load = wrong.problem.inertial[wrong.problem.train] @ wrong.directions_of(links)
     far = np.linalg.lstsq(load[:, ELBOW], off * wrong.problem.train_state.load[:, ELBOW], rcond=None)[0]
     fit.theta[fit.where(INERTIAL)] = far
-    outcome = SimpleNamespace(problem=wrong.problem, white=wrong, fit=fit, named=[one], refusals=[], unexplained=[])
+    outcome = replace(_outcome(wrong, one, ()), fit=fit)
     decide._believe_no_unknown_loads(outcome)
     assert bool(outcome.named) == stays
     assert len(settled) == len(outcome.refusals) == (not stays)
