@@ -3,6 +3,7 @@
 import ast
 import re
 from collections import defaultdict
+from functools import cache
 from graphlib import TopologicalSorter
 
 import pytest
@@ -14,13 +15,16 @@ from jointwear.running.modules import LIBRARY
 RECORD = ROOT / "docs/decisions/rooms_of_the_large_rooms.md"
 
 
+@cache
 def imported(path):
     """The modules of the library that a file names in its imports, as parts of their dotted names."""
+    found = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
-            yield from (f"{node.module}.{name.name}".split(".") for name in node.names)
+            found += [f"{node.module}.{name.name}".split(".") for name in node.names]
         elif isinstance(node, ast.Import):
-            yield from (name.name.split(".") for name in node.names)
+            found += [name.name.split(".") for name in node.names]
+    return found
 
 
 def arrows(room):
@@ -53,9 +57,9 @@ def test_what_a_room_holds_imports_one_way(room):
 def test_the_record_tells_the_rooms_in_the_order_in_which_they_import(room):
     table = RECORD.read_text(encoding="utf-8").split(f"| room of `{room}` |")[1].split("\n\n")[0]
     rows = re.findall(r"^\| `(\w+)` \| (\d+) \| (.*) \|$", table, re.MULTILINE)
-    seen = set()
+    seen, asked = set(), arrows(LIBRARY / room)
     for name, modules, what in rows:
-        assert arrows(LIBRARY / room)[name] & {other for other, *_ in rows} <= seen
+        assert asked[name] & {other for other, *_ in rows} <= seen
         folder = LIBRARY / room / name
         assert len(list(folder.glob("*.py"))) - 1 == int(modules)
         assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) == f"{what}."
