@@ -61,6 +61,12 @@ def test_neither_noise_of_one_frequency_nor_nothing_swings_with_the_motion(white
     assert not rocking(outcome_of(white, loud(white, shaken)))
 
 
+def test_a_swing_beside_the_fastest_has_to_say_more_than_that(white):
+    """A drive that chatters faster than any base was told as a base that swings at the last frequency but one."""
+    swung = 1.5 * loud(white, Rocking(white).torques(19.3, 0.2).sum(axis=-1))
+    assert not rocking(outcome_of(white, swung))
+
+
 def test_the_page_says_what_swings():
     content = {
         "verdict": "unknown",

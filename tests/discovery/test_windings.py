@@ -7,7 +7,7 @@ from test_rocking import outcome_of
 from jointwear.discovery.estimates.outcome import Named, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate
-from jointwear.discovery.search.windings import stiffens, wound_up_further_in
+from jointwear.discovery.search.windings import _wind_up_of, stiffens, wound_up_further_in
 from jointwear.effects.swing import wind_up
 
 AXIS, INERTIA, STIFFNESS, DAMPING = 1, 3.0, 4000.0, 0.05
@@ -55,3 +55,10 @@ def test_a_spring_that_the_wind_up_of_a_joint_further_in_stands_for_is_told(whit
         assert wound_up_further_in(outcome, one) == inner
         outcome.unexplained = []
         assert wound_up_further_in(outcome, one) is None
+
+
+def test_the_wind_up_of_an_upright_joint_moves_no_gravity(white):
+    """Of a heavy arm what is zero, but for rounding, had a prior without an end: no verdict came of it."""
+    outcome = outcome_of(white, np.zeros_like(white.problem.train_state.position))
+    columns = [_wind_up_of(outcome, inner, 2).raw[2].shape[1] for inner in (0, AXIS)]
+    assert columns == [1, 2]

@@ -40,7 +40,7 @@ COARSE, HINT = 2, 0.5
 @dataclass(frozen=True)
 class Swing:
     """A swing of the base, with its `torque` (m, n) [N m] at the joints and what it is worth [nats]: `lead` more than
-    one that is dull, `left_out` in records that had no part in choosing it."""
+    one that is dull or at an end of the frequencies, `left_out` in records that had no part in choosing it."""
 
     frequency: float
     torque: np.ndarray
@@ -80,7 +80,8 @@ class Rocking:
     def found(self, fit: Fit, needed: float) -> Swing | None:
         """Return the swing that says most of what a fit leaves, None where it is no swing.
 
-        Sizes are those of a base that gives way: positive. Of a swing there is a best frequency, within those searched.
+        Sizes are those of a base that gives way: positive. Of a swing there is a best frequency, within those searched:
+        at their ends it says less, unlike what lies beyond them.
 
         Parameters
         ----------
@@ -95,11 +96,13 @@ class Rocking:
         best = int(np.argmax([nats for nats, *_ in every]))
         nats, size, freedom = every[best]
         frequency, damping = swings[best]
-        if not freedom or frequency in (FREQUENCIES[0], FREQUENCIES[-1]):
+        if not freedom:
             return None
         # Hardly any frequency is left in what is dull.
         dull = [self._sums(fit, f, DULL) for f in FREQUENCIES[:: len(DAMPINGS) + 1]]
-        lead = nats - max(_said(b.sum(axis=0), gram.sum(axis=0))[0] for b, gram in dull)
+        rivals = [_said(b.sum(axis=0), gram.sum(axis=0))[0] for b, gram in dull]
+        rivals += [every[k][0] for k, (f, _) in enumerate(swings) if f in (FREQUENCIES[0], FREQUENCIES[-1])]
+        lead = nats - max(rivals)
         torque = self.torques(frequency, damping) @ size
         return Swing(frequency, torque, nats, freedom, lead, _left_out(sums))
 

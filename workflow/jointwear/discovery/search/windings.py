@@ -23,6 +23,8 @@ from jointwear.effects.swing import drag_of, wind_up
 
 #: Share by which the stiffness is moved to learn what that changes.
 STEP = 0.2
+#: Part of the largest that rounding leaves of what is zero.
+ROUNDING = 1e-9
 
 
 def stiffens(outcome: Outcome, one: Named) -> float | None:
@@ -70,18 +72,27 @@ def wound_up_further_in(outcome: Outcome, one: Named) -> int | None:
     others = outcome.terms_beside(one)
     lacking = {u.axis for u in outcome.unexplained} | {n.candidate.axis for n, _ in outcome.suspects if swings(n)}
     for inner in sorted(a for a in lacking if a is not None and a < candidate.axis):
-        if predictive(outcome.white, [*others, _wind_up_of(outcome, inner, candidate.axis)], one)[1]:
+        wind_up = _wind_up_of(outcome, inner, candidate.axis)
+        if wind_up is not None and predictive(outcome.white, [*others, wind_up], one)[1]:
             return inner
     return None
 
 
-def _wind_up_of(outcome: Outcome, inner: int, axis: int) -> Term:
-    """Return the term of what the wind-up of one joint, load over stiffness, changes of the torque of another."""
+def _wind_up_of(outcome: Outcome, inner: int, axis: int) -> Term | None:
+    """Return the term of what the wind-up of one joint, load over stiffness, changes of the torque of another; None
+    where it changes nothing of it."""
     white, state = outcome.white, outcome.white.timing_state(inner)
-    by_acceleration, by_angle = outcome.problem.train_state.wind_up_regressor(inner)
+    # About a vertical axis gravity changes by rounding alone.
+    by_acceleration, by_angle = (
+        np.where(np.abs(x).max(axis=0) > ROUNDING * np.abs(x).max(), x, 0.0)[:, axis]
+        for x in outcome.problem.train_state.wind_up_regressor(inner)
+    )
     load = state.load[:, inner]
-    columns = np.stack([by_angle[:, axis] * load, by_acceleration[:, axis] * second_derivative(state, load)], axis=1)
+    columns = np.stack([by_angle * load, by_acceleration * second_derivative(state, load)], axis=1)
     size = np.sqrt(np.mean(columns[outcome.problem.usable[:, axis]] ** 2, axis=0))
-    std = outcome.problem.widest[axis] / np.maximum(size, np.finfo(float).tiny)
+    columns, size = columns[:, size > 0], size[size > 0]
+    if not len(size):
+        return None
+    std = outcome.problem.widest[axis] / size
     blocks, raw = {axis: white.columns(axis, columns)}, {axis: white.raw(axis, columns)}
     return Term(f"wind-up of joint {inner + 1}", blocks, std, raw)
