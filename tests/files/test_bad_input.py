@@ -270,6 +270,12 @@ def test_a_wrong_robot_file(tmp_path, robot, path, value, words):
         assert word in message
 
 
+def test_a_decimal_comma_between_braces_is_told_with_the_value_that_it_ends(tmp_path, robot):
+    (tmp_path / "arm.yaml").write_text(yaml.safe_dump(robot, sort_keys=False).replace("mass: 4.8", "mass: 4\n  8:"))
+    with pytest.raises(InputError, match=r"'links\[2\]\.8'; a comma ends the value of 'mass', 4: write its decimals"):
+        read_robot_file(tmp_path / "arm.yaml")
+
+
 @pytest.mark.parametrize("after", ["      window: 1h\n", "      variables:\n        time: Time\n", "    two: {}\n", ""])
 def test_a_colon_without_its_space_is_told_on_its_own_line(tmp_path, after):
     """The parser notices at the next line only, and says in its words what is wrong there."""

@@ -189,3 +189,14 @@ def test_a_robot_file_that_is_wrong_is_told_with_the_robots_that_have_it(tmp_pat
         check_robots({"monitor": {"robots": {"sound": sound, **wrong}}})
     assert "sound" not in str(error.value)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "near"), [("Zelle 3/Arm", "Zelle_3_Arm"), ("3 arm", "robot_3_arm"), ("cell-4", "cell_4"), ("öß", "")]
+)
+def test_a_name_that_no_robot_may_have_is_told_with_the_nearest_that_it_may(name, near):
+    robots = {name: {"logs": ["logs/*.csv"], "robot": str(ROBOT), "baseline": {"windows": 8}}}
+    with pytest.raises(InputError) as told:
+        check_robots({"monitor": {"robots": robots}})
+    assert f"'monitor.robots' has the name '{name}'; a robot's name is letters, digits and _" in str(told.value)
+    assert str(told.value).endswith(f"; the nearest valid name is '{near}'" if near else "a letter first")

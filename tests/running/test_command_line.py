@@ -90,6 +90,7 @@ def test_what_is_no_file_is_named(tmp_path):
         ("seed", "must be key=value"),
         ("1=2", "must be key=value"),
         ("wear.axes=[1]", "must be key=value, with a key inside another as 'wear={axes: [1]}'"),
+        ("monitor.robots.press.window=2h", "inside another as 'monitor={robots: {press: {window: 2h}}}'"),
         ("seed=#", "holds no value"),
         ("wear={shape: &x {a: *x}}", "an anchor holds itself"),
         ("seed=" + "[" * 500, "levels deep"),

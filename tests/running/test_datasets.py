@@ -108,7 +108,12 @@ def test_the_name_of_a_data_set_has_a_nearest(name, near):
         ({"joints": list("abcdef")}, "'discover.datasets.arm.joints' is for ROS 2 bags and says nothing of"),
         ({"topic": "/joint_states"}, "'discover.datasets.arm.topic' is for ROS 2 bags"),
         ({"units": {"torque": "Nn"}}, "'discover.datasets.arm.units.torque' is 'Nn'"),
-        ({"scale": [1.0, 2.0]}, "'discover.datasets.arm.scale' has 2 values, robot 'puma560' has 6 joints"),
+        (
+            {"scale": [1.0, 2.0]},
+            r"has 2 values, robot 'puma560' has 6 joints \(allowed: one number for all joints, or 6, one for each\)$",
+        ),
+        ({"torque_constant": [0.1] * 5}, "one for each.; the nearest valid value is 0.1, for all joints"),
+        ({"sign": [1, -1]}, "has 2 values, robot 'puma560' has 6 joints .allowed: 6 values, one for each joint.$"),
         ({"train": [0, 3], "test": [3]}, "arm.test' holds trajectory 3, and so does 'train'; allowed: in one of them"),
         ({"joints": ["one"]}, "'discover.datasets.arm.joints' names 1 joint"),
     ],
@@ -116,3 +121,14 @@ def test_the_name_of_a_data_set_has_a_nearest(name, near):
 def test_what_an_entry_tells_of_its_data_is_checked_before_any_job(root, entry, words):
     with pytest.raises(InputError, match=words):
         check_datasets({"discover": {"datasets": {"arm": {"measured": MEASURED, "robot": PUMA, **entry}}}})
+
+
+def test_a_folder_that_is_no_bag_is_named_with_a_log_in_it(root, tmp_path):
+    entry = {"measured": str(tmp_path), "robot": PUMA}
+    with pytest.raises(InputError, match=r"arm\.measured' is .*: is a folder without metadata\.yaml, .* name a file$"):
+        check_datasets({"discover": {"datasets": {"arm": entry}}})
+    (tmp_path / "day.csv").touch()
+    with pytest.raises(InputError, match=r"and so no ROS 2 bag; name a file, as '.*/day\.csv'$"):
+        check_datasets({"discover": {"datasets": {"arm": entry}}})
+    (tmp_path / "metadata.yaml").touch()
+    check_datasets({"discover": {"datasets": {"arm": entry}}})

@@ -52,7 +52,7 @@ def _describe(error) -> str:
         key = next(k for k in value if k not in allowed)
         full = f"{where}.{key}" if where else str(key)
         # What a schema says of a key that it knows not to have.
-        why = error.schema.get("x-unknown", {}).get(key)
+        why = error.schema.get("x-unknown", {}).get(key) or _decimal_comma(value, key)
         near = f"; {why}" if why else nearest(key, allowed)
         return f"unknown key {quoted(full)}{near} (allowed: {', '.join(allowed)})"
     if rule == "required":
@@ -125,6 +125,18 @@ def _describe(error) -> str:
     if rule == "not" and "const" in error.validator_value:
         return f"'{where}' is {said}; allowed: anything but {error.validator_value['const']}{_limits(error.schema)}"
     return f"'{where}' is {said}; it breaks '{rule}' of the schema"
+
+
+def _decimal_comma(value: dict, key: Any) -> str:
+    """Return in words that a key of a mapping is what stands behind the decimal comma of the value before it, as 5 in
+    {mass: 9,5, com: ...}; empty where it is not."""
+    before = list(value)[: list(value).index(key)][-1:]
+    if isinstance(key, bool) or not isinstance(key, int) or value[key] is not None or not before:
+        return ""
+    number = value[before[0]]
+    if isinstance(number, bool) or not isinstance(number, int):
+        return ""
+    return f"a comma ends the value of '{before[0]}', {number}: write its decimals behind a point"
 
 
 def _within(value: float, schema: dict[str, Any]) -> bool:

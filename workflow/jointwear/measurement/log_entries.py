@@ -5,7 +5,7 @@ Read by the Snakefile at every call: nothing heavy is imported here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from jointwear.files.errors import InputError, nearest, shown
@@ -46,9 +46,17 @@ def check_log_entry(
         if isinstance(given, (list, tuple)) and len(given) != len(joints):
             raise InputError(
                 f"config: '{where}.{key}' has {count(len(given), 'value')}, robot '{robot['name']}' has "
-                f"{count(len(joints), 'joint')}"
+                f"{count(len(joints), 'joint')}{_one_or_each(key, given, len(joints))}"
             )
     _check_of_bags(entry, where)
+
+
+def _one_or_each(key: str, given: Sequence[float], joints: int) -> str:
+    """Return how many numbers a key may have, and the one number where all that were given are alike."""
+    alike = f"; the nearest valid value is {given[0]:g}, for all joints" if len(set(given)) == 1 and joints > 1 else ""
+    if key == "sign":
+        return f" (allowed: {joints} values, one for each joint)"
+    return f" (allowed: one number for all joints, or {joints}, one for each){alike}"
 
 
 def _check_of_bags(entry: Mapping[str, Any], where: str) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import tzinfo
 from functools import cache
 from pathlib import Path
@@ -45,7 +45,10 @@ def check_robots(config: Mapping[str, Any]) -> None:
     for name, entry in config["monitor"]["robots"].items():
         where = f"monitor.robots.{name}"
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
-            raise InputError(f"config: '{where}': a robot's name is letters, digits and _, a letter first")
+            raise InputError(
+                f"config: 'monitor.robots' has the name {shown(name)}; a robot's name is letters, digits and _, a "
+                f"letter first{_plain_name(name, config['monitor']['robots'])}"
+            )
         if len(name) > LONGEST_NAME:
             raise InputError(
                 f"config: 'monitor.robots' holds {shown(name)}, a name of {len(name)} characters (allowed: up to "
@@ -104,6 +107,13 @@ def check_robots(config: Mapping[str, Any]) -> None:
             raise InputError(
                 f"config: '{where}.baseline.from' is {shown(borders[0])}, not before 'until', {shown(borders[1])}"
             )
+
+
+def _plain_name(name: str, taken: Iterable[str]) -> str:
+    """Return the valid name nearest to that of a robot in words, empty where another robot has it or there is none."""
+    plain = re.sub(r"[^A-Za-z0-9_]+", "_", str(name)).strip("_")
+    plain = f"robot_{plain}" if plain[:1].isdigit() else plain
+    return f"; the nearest valid name is '{plain}'" if plain and plain not in taken else ""
 
 
 def _check_hours(entry: Mapping[str, Any], where: str, zone: tzinfo) -> None:

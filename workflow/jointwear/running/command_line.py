@@ -64,8 +64,7 @@ def _check_entry(text: str) -> None:
     """Check one value of ``--config``."""
     entry = _ENTRY.fullmatch(text)
     if entry is None:
-        inner = re.fullmatch(r"(\w+)\.(\w+)=(.*)", text)
-        hint = ", with a key inside another as " + shown("{}={{{}: {}}}".format(*inner.groups())) if inner else ""
+        hint = _nested(text)
         if _is_word(text):
             hint = f"; {_TAKES_ALL.format(option='--config')}"
         raise InputError(f"--config {shown(text)}: must be key=value{hint}")
@@ -74,6 +73,18 @@ def _check_entry(text: str) -> None:
         raise InputError(f"--config {entry['key']}: {shown(text)} must be written in digits 0 to 9")
     if text:
         check_written_out(text, f"--config {entry['key']}")
+
+
+def _nested(text: str) -> str:
+    """Return how a key inside others, as ``a.b.c=2``, is given, in words; empty for all other texts."""
+    dotted = re.fullmatch(r"(\w+(?:\.\w+)+)=(.*)", text, re.DOTALL)
+    if dotted is None:
+        return ""
+    first, *inner = dotted[1].split(".")
+    value = dotted[2]
+    for key in reversed(inner):
+        value = f"{{{key}: {value}}}"
+    return f", with a key inside another as {shown(f'{first}={value}')}"
 
 
 def _is_word(text: str) -> bool:

@@ -15,6 +15,7 @@ from jointwear.files.errors import InputError, nearest
 from jointwear.files.registered import will_be_fetched
 from jointwear.files.regular_files import check_regular
 from jointwear.measurement.log_entries import check_log_entry
+from jointwear.measurement.log_kinds import log_format
 from jointwear.robots.robot_file import read_robot_file, robot_sources
 
 _WRITTEN = re.compile(r"^(?:\./)?results/discover/([A-Za-z][A-Za-z0-9_]*)/robot\.yaml$")
@@ -56,7 +57,8 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                 )
             try:
                 if key == "measured" and os.path.isdir(entry[key]):
-                    continue  # a bag
+                    _check_bag(entry[key])
+                    continue
                 check_regular(entry[key])
             except InputError as error:
                 path, told = Path(entry[key]), str(error)
@@ -70,6 +72,19 @@ def check_datasets(config: Mapping[str, Any]) -> None:
                 raise InputError(f"{entry['robot']}: 'urdf' names {path}, which does not exist")
         if not any(will_be_fetched(path) for path in robot_sources(entry["robot"])):
             check_log_entry(entry, f"discover.datasets.{name}", read_robot_file(entry["robot"]))
+
+
+def _check_bag(folder: str) -> None:
+    """Check that a folder is a bag.
+
+    Raises
+    ------
+    InputError : with a log that is in it.
+    """
+    if log_format(folder) is None:
+        there = next((p.as_posix() for p in sorted(Path(folder).glob("*")) if log_format(p)), "")
+        name = f", as '{there}'" if there else ""
+        raise InputError(f"{folder}: is a folder without metadata.yaml, and so no ROS 2 bag; name a file{name}")
 
 
 def _check_groups(name: str, groups: Mapping[str, Any]) -> None:
