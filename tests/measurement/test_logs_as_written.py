@@ -196,11 +196,17 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
 @pytest.mark.parametrize(
     ("stamp", "words"),
     [
-        ("15/01/2026 06:00:00", "write '2026-01-15T06:00:00'"),
-        ("1/15/26 6:00:00.5 PM", "write '2026-01-15T18:00:00.5'"),
-        ("15.01.26 06:00:00", "write '2026-01-15T06:00:00'"),
-        ("01/02/2026 06:00:00", "write '2026-02-01T06:00:00' (day first) or '2026-01-02T06:00:00' (month first)"),
-        ("26-01-15 06:00:00", "write '2015-01-26T06:00:00' (day first) or '2026-01-15T06:00:00' (year first)"),
+        ("15/01/2026 06:00:00", "; write all times of the log as ISO 8601, this one as '2026-01-15T06:00:00'"),
+        ("1/15/26 6:00:00.5 PM", "this one as '2026-01-15T18:00:00.5'"),
+        ("15.01.26 06:00:00", "this one as '2026-01-15T06:00:00'"),
+        (
+            "01/02/2026 06:00:00",
+            "this one as '2026-02-01T06:00:00' (day first) or '2026-01-02T06:00:00' (month first)",
+        ),
+        (
+            "26-01-15 06:00:00",
+            "this one as '2015-01-26T06:00:00' (day first) or '2026-01-15T06:00:00' (year first)",
+        ),
         ("06:00:00", "the day is lacking: write '2026-01-15T06:00:00', or seconds"),
         ("6:00:00,5", "the day is lacking: write '2026-01-15T06:00:00.5', or seconds"),
         ("15 Jan 2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
@@ -465,3 +471,18 @@ def test_rows_that_hold_both_are_left_as_they_are(tmp_path):
     for lines in (streams(together=50)[0], streams(10.0, 200.0)[0], streams(200.0, 10.0)[0]):
         chunk = one(write(tmp_path / "a.csv", lines))
         assert len(chunk.time) == len(lines) - 1
+
+
+@pytest.mark.parametrize(
+    ("rows", "lines"), [(["0.06,0.06,1", '0.08,"0.08,1'], 57), (['0.06,"0.06,1', '0.08,0.1",1'], 1)]
+)
+def test_a_quotation_mark_that_is_not_closed_is_told_with_the_lines_that_it_takes(tmp_path, rows, lines):
+    begin = [",".join(HEADER), *(f"{k / 50:.2f},{k / 50:.2f},1" for k in range(3))]
+    rest = [f"{k / 50:.2f},{k / 50:.2f},1" for k in range(5, 62)]
+    path, told = write(tmp_path / "a.csv", [*begin, *rows, *rest, ""]), []
+    try:
+        told += [chunk.unread[1] for chunk in read_log(path, layout_of({}, ["joint_1"]))]
+    except InputError as error:
+        told.append(str(error))
+    assert f"row {6 if lines > 1 else 5} has" in told[-1]
+    assert f"not closed in its line takes {lines} more line{'s' * (lines > 1)} with it" in told[-1]

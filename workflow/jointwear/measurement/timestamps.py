@@ -61,13 +61,13 @@ def _last_of_month(given: str) -> str:
 
 
 def to_write(given: str) -> str:
-    """Return what to write for a time of a log that is written otherwise, ``; write '2026-01-31T06:00:00'``, or an
-    empty string."""
+    """Return what to write for the times of a log, of which one is written otherwise, ``; write all times of the log as
+    ISO 8601, this one as '2026-01-31T06:00:00'``, or an empty string."""
     if alone := _TIME_OF_DAY.fullmatch(given.strip()):
         time = f"{int(alone[1]):02d}{alone[2].replace(',', '.')}"
         return f"; the day is lacking: write '2026-01-15T{time}', or seconds"
     found = _iso_of(given.strip())
-    return f"; write {_or(found)}" if found else ""
+    return f"; write all times of the log as ISO 8601, this one as {_or(found)}" if found else ""
 
 
 def _or(found: Mapping[str, str]) -> str:

@@ -10,6 +10,7 @@ import pyarrow as pa
 from pyarrow import compute
 
 from jointwear.files.errors import InputError, shown
+from jointwear.files.wording import count
 from jointwear.measurement.formats.arrow import first_of_other_zone, is_stamp, mixed_zones, stamps
 
 #: Share of the rows of a log, read so far, that may hold such a cell.
@@ -91,7 +92,8 @@ class Cells:
         first = min(concerned)
         column = next(name for name, mask in wrong.items() if mask[first].as_py())
         self.unread += len(set(concerned))
-        told = f"row {self._row(begin + first)} has {shown(batch.column(column)[first].as_py())} in column '{column}'"
+        cell = batch.column(column)[first].as_py()
+        told = f"row {self._row(begin + first)} has {shown(cell)} in column '{column}'{of_open_quote(cell)}"
         if self.unread > MOST * self.rows:
             kind = "a time" if self._is_time(column) else "a number"
             raise InputError(
@@ -135,6 +137,15 @@ class Cells:
         if self.decimal != ".":
             sound = compute.and_(sound, compute.invert(compute.match_substring(given, ".")))
         return compute.fill_null(sound, False)
+
+
+def of_open_quote(text: str) -> str:
+    """Return in words that a quotation mark takes lines with it that follow, where a row or a cell holds line ends;
+    else nothing."""
+    more = text.count("\n")
+    return (
+        f" (a quotation mark that is not closed in its line takes {count(more, 'more line')} with it)" if more else ""
+    )
 
 
 def _places(mask: pa.Array) -> list[int]:

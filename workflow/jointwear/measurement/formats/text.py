@@ -19,7 +19,7 @@ from pyarrow import csv as arrow_csv
 from jointwear.files.errors import EMPTY, NO_SAMPLES, InputError, shown
 from jointwear.files.wording import count
 from jointwear.measurement.formats.arrow import chunk_of, stamps
-from jointwear.measurement.formats.cells import Cells
+from jointwear.measurement.formats.cells import Cells, of_open_quote
 from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, check_count, find_columns
 from jointwear.measurement.formats.first_bytes import check_kind
 from jointwear.measurement.formats.layout import Layout
@@ -194,7 +194,7 @@ class _TornRow:
         self.fault = self.fault or (
             f"{self._path}: {number} has {count(row.actual_columns, 'cell')}, the header names "
             f"{count(row.expected_columns, 'column')}: "
-            f"{shown(row.text)}"
+            f"{shown(row.text)}{of_open_quote(row.text)}"
         )
         self.rows.append(row.number or 0)
         return "skip" if len(self.rows) <= MOST_TORN else "error"
