@@ -19,6 +19,7 @@ from jointwear.measurement.formats.chunk import Chunk, RowsLeftOut, rows_of
 from jointwear.measurement.formats.first_bytes import ENOUGH, check_kind
 from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.formats.rows_apart import in_one_row
+from jointwear.measurement.formats.two_sources import check_one_source
 from jointwear.measurement.log_kinds import FORMATS, log_format
 from jointwear.measurement.possible import check_clock
 
@@ -32,7 +33,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
 
     Raises
     ------
-    InputError : one line naming the file, what is wrong, and what there is.
+    InputError : one line naming the file, what is wrong, and what there is; so where the rows of two robots are in it.
     RowsLeftOut : after the last sample, if rows were left out, of a wrong length or of times that do not exist.
     """
     kind = log_format(path)
@@ -56,7 +57,9 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
             if empty:
                 check_clock(path, chunk.time[:CLOCK_LOOK], chunk.units.get("time", "s"))
             empty = False
-            yield without_bursts(in_one_row(chunk))
+            whole = in_one_row(chunk)
+            check_one_source(path, whole)
+            yield without_bursts(whole)
     if empty:
         raise InputError(f"{path}: {NO_SAMPLES}")
 
