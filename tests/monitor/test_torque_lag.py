@@ -7,9 +7,10 @@ import pytest
 from monitor_logs import LENGTH, RATE, Log, columns, layout, model, read, write_parquet
 
 from jointwear.measurement.flags import Flag
+from jointwear.measurement.refused import Refused
 from jointwear.monitor.findings.read_findings import reading_findings
 from jointwear.monitor.reading.survey import survey_log
-from jointwear.monitor.reading.torque_lag import Lag, change_of, read_later
+from jointwear.monitor.reading.torque_lag import Lag, change_of, off_in_time, read_later
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.trajectory import Task
 
@@ -68,13 +69,41 @@ def test_a_later_torque_is_read_as_late_as_the_first_one(tmp_path, good, change)
     assert told["axes"] == []
 
 
-def test_a_torque_of_another_time_is_refused(tmp_path, good):
-    path = write_parquet(tmp_path / "late.parquet", columns(_late(_log(seed=12), 0.12)))
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(0.12, "120 ms late"), (0.2, "200 ms late"), (-0.43, "430 ms early"), (1.0, "1000 ms late")]
+)
+def test_a_torque_of_another_time_is_refused_with_its_lag(tmp_path, good, seconds, words):
+    """To first order a delay of half a second is none: it was told as another robot or another load."""
+    path = write_parquet(tmp_path / "late.parquet", columns(_late(_log(seed=12), seconds)))
     found = read(path, good)
     (refused,) = found.refused
-    assert "more than 50 ms off in time" in refused
+    assert f"the torque of all joints is about {words} against the motion, unlike in the first log" in refused
     assert "move the rows of the torque" in refused
     assert (found.statistics.count == 0).all()
+
+
+def test_a_part_of_a_log_with_a_torque_of_another_time_costs_that_part(tmp_path, good):
+    log = _log(seed=12)
+    half = log.time >= 30.0
+    torque = np.where(half[:, None], _late(log, 0.3).torque, log.torque)
+    found = read(write_parquet(tmp_path / "late.parquet", columns(replace(log, torque=torque))), good)
+    (refused,) = found.refused
+    assert "300 ms late" in refused
+    assert (found.statistics.count[3:] == 0).all()
+    assert (found.statistics.count[:2] > 0).all()
+
+
+def test_a_first_log_with_a_torque_of_another_time_is_refused(tmp_path):
+    path = write_parquet(tmp_path / "late.parquet", columns(_late(_log(), 0.2)))
+    with pytest.raises(Refused, match="the torque of all joints is about 200 ms late against the motion; read at that"):
+        survey_log(str(path), layout(), model(), LENGTH)
+
+
+def test_a_change_that_is_known_to_first_order_alone_is_refused_too():
+    """Of axes that the model explains badly it is all that there is."""
+    first = Lag(np.zeros(6), np.full(6, 1e-4), np.zeros(6))
+    assert change_of(Lag(np.full(6, 0.12), np.full(6, 1e-3), np.full(6, 2e3)), first) == pytest.approx(0.12)
+    assert "more than 50 ms off in time" in str(off_in_time("day.csv"))
 
 
 def test_wear_and_one_late_axis_are_no_lag(tmp_path, good):

@@ -95,7 +95,13 @@ def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.stack([p[::step] for p in parts], axis=1), measured.time[::step], measured.usable[::step]
 
 
-def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, loosely: bool = False) -> np.ndarray:
+def explained(
+    dynamics: Dynamics,
+    parts: np.ndarray,
+    usable: np.ndarray,
+    loosely: bool = False,
+    rigid: np.ndarray | None = None,
+) -> np.ndarray:
     """Return for each axis the part (n,) of the squared torque that the model leaves, sizes of friction left free; NaN
     where fewer than `FEWEST_OF_JOINT` samples can be judged.
 
@@ -103,8 +109,9 @@ def explained(dynamics: Dynamics, parts: np.ndarray, usable: np.ndarray, loosely
     ----------
     parts : (m, 4, n) position, velocity, acceleration, torque. usable : (m, n) bool.
     loosely : signs are left free too, and any number of samples is judged: never more, and several times as fast.
+    rigid : (m, n) torque of the rigid bodies [N m] where it is known, default that of `parts`.
     """
-    rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3)))
+    rigid = dynamics.rigid_body_torque(*(parts[:, k] for k in range(3))) if rigid is None else rigid
     if loosely:
         return _left_loosely(dynamics.robot, rigid, parts, usable)
     return _left(dynamics.robot, rigid, parts, usable, range(parts.shape[2]))

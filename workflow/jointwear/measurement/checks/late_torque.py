@@ -39,12 +39,12 @@ def check_delay(measured: Measured, robot: Robot, name: str) -> list[str]:
         return []
     # Further columns explain no less: they are made only where something is left.
     free = np.concatenate([free, _built_up(measured)], axis=2)
-    now = unfollowed(free, _read_later(measured, samples, 0.0))
+    now = unfollowed(free, read_later(measured, samples, 0.0))
     if _explained(now):
         return []
     best, gain = 0.0, np.log(LOWERED)
     for delay in (sign * d for d in DELAYS for sign in (1, -1)):
-        then = unfollowed(free, _read_later(measured, samples, delay))
+        then = unfollowed(free, read_later(measured, samples, delay))
         if len(then) == len(now) and (found := float(np.median(np.log(now / np.maximum(then, 1e-12))))) > gain:
             best, gain = delay, found
     if not best:
@@ -78,7 +78,7 @@ def _built_up(measured: Measured) -> np.ndarray:
     return np.stack(columns, axis=1).transpose(2, 0, 1)
 
 
-def _read_later(measured: Measured, samples: Measured, delay: float) -> Measured:
+def read_later(measured: Measured, samples: Measured, delay: float) -> Measured:
     """Return thinned samples with the torque of all samples read `delay` [s] later, where their record has it.
 
     It is read at whole samples, each averaged with its neighbours: read between two of them, half of white noise and

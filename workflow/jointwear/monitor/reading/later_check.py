@@ -41,6 +41,7 @@ from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.units import is_known, size_of, sizes_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
+from jointwear.monitor.reading.other_time import OtherTime, off_by
 from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
 from jointwear.monitor.reading.standing_torque import standing
 from jointwear.robots.dynamics import Dynamics
@@ -95,12 +96,13 @@ class LaterCheck:
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
         self._held = self._everywhere = False
+        self._delay = 0.0
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
-        """Begin another block: another scale of the torque that was found, and one that is held, are looked for in its
-        parts alone."""
-        self._refusal, self._held, self._everywhere = None, False, False
+        """Begin another block: another scale or another time of the torque that was found, and one that is held, are
+        looked for in its parts alone."""
+        self._refusal, self._held, self._everywhere, self._delay = None, False, False, 0.0
 
     @property
     def everywhere(self) -> bool:
@@ -130,7 +132,7 @@ class LaterCheck:
 
         Raises
         ------
-        Refused : where turning an axis around, exchanging two, another scale of the torque, or another unit of
+        Refused : where turning an axis around, exchanging two, another time or scale of the torque, or another unit of
             the torque or of the positions, mends it.
         """
         measured = busiest_piece(chunk, stretch, motion, self._dead_band)
@@ -164,7 +166,9 @@ class LaterCheck:
 
         self._last = self._growth(parts, usable)
         plain = float(np.nansum(self._last))
-        if self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
+        if self._delay:
+            self._check_delay(measured, self._delay)
+        elif self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
             raise self._refusal
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
         if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
@@ -175,6 +179,8 @@ class LaterCheck:
         if reading is not None and self._is_likelier(reading, parts, usable):
             self._everywhere |= whole and reading.several
             raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
+        if whole:
+            self._check_delay(measured)
         self._check_scale(measured, samples, plain, lightened)
         if whole:
             self._check_shared_scale(measured, parts, usable, plain)
@@ -220,6 +226,28 @@ class LaterCheck:
     def _hardly(self, growth: np.ndarray, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Return the axes (n,) whose torque the model hardly explains any more."""
         return (growth > FAR_WORSE) & (explained(self._dynamics, parts, usable) > HARDLY)
+
+    def _check_delay(self, measured: Measured, found: float = 0.0) -> None:
+        """Check that the torques are not those of another time.
+
+        Parameters
+        ----------
+        found : delay [s] of the block that the samples are a part of, default not known.
+
+        Raises
+        ------
+        Refused : with the delay.
+        """
+        other = OtherTime(self._dynamics, measured)
+        delay = found or other.best()
+        if not delay:
+            return
+        plain, moved = (float(np.nansum(self._grown(other.left_at(d)))) for d in (0.0, delay))
+        if found and moved < plain:
+            raise off_by(self._name, delay)
+        if moved < MENDED and plain - moved > WORSE:
+            self._delay = delay
+            raise off_by(self._name, delay)
 
     def _check_scale(
         self, measured: Measured, samples: Measured, plain: float, lightened: Callable[[], Measured | None]
