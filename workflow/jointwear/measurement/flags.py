@@ -21,8 +21,11 @@ class Flag(IntFlag):
     SATURATED = 1024
     LATER = 2048
     SCATTERED = 4096
+    SILENT = 8192
 
 
+#: Flags that are no reason why a window is not judged.
+HARMLESS = Flag.GAP | Flag.UNEXPLAINED | Flag.SATURATED | Flag.LATER | Flag.SCATTERED | Flag.SILENT
 #: Flags that keep a window (of that axis) from being judged, whatever its statistics are.
 DISQUALIFYING = Flag.OUTSIDE_LIMITS | Flag.TORQUE_FROZEN | Flag.REFUSED | Flag.CONTRADICTED
 
@@ -40,4 +43,5 @@ FLAG_WORDS = {
     Flag.SATURATED: "the torque stays at a limit of its drive or sensor, left out there",
     Flag.LATER: "the torque turns later or earlier than in the first log, and is read at its time",
     Flag.SCATTERED: "time stamps that scatter from sample to sample, so that speeds are wrong",
+    Flag.SILENT: "the torque keeps one value for a while in motion, left out there",
 }

@@ -12,6 +12,9 @@ from jointwear.measurement.refused import FEWEST_OF_JOINT
 FEWEST_IN_A_ROW, LONGER = 5, 10
 #: Samples in which a joint that moves shows it: a coarse encoder repeats its values.
 STILL = 10
+#: Part of the usual torque (root mean square) that the smallest step between its values is, at most, where it cannot
+#: keep one of them for long: of a coarse scale each stands for many torques.
+FINE = 0.1
 
 
 def clipped_torques(recording: Recording) -> list[str]:
@@ -38,14 +41,30 @@ def at_limit(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> tup
     """
     there, limits = np.zeros(torque.shape, dtype=bool), []
     for j, (values, places) in enumerate(zip(torque.T, position.T, strict=True)):
-        limits.append(_limits(np.ascontiguousarray(values), places, label))
+        limits.append([x for x in _lasting(np.ascontiguousarray(values), places, label) if x])
         if limits[-1]:
             there[:, j] = np.isin(values, limits[-1])
     return there, limits
 
 
-def _limits(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> list[float]:
-    """Return the limits [N m] that the torque of one joint reaches while it moves, arrays (m,)."""
+def at_zero(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> np.ndarray:
+    """Return where torques (m, n) stay at exactly zero in motion, as no drive does: they were not measured there, (m,
+    n) bool; parameters as of :func:`at_limit`."""
+    there = torque == 0.0
+    for j, (values, places) in enumerate(zip(torque.T, position.T, strict=True)):
+        there[:, j] &= 0.0 in _lasting(np.ascontiguousarray(values), places, label)
+    return there
+
+
+def is_fine(torque: np.ndarray) -> bool:
+    """Return whether a torque (m,) [N m] is written in steps that are small against it."""
+    own = np.unique(torque[np.isfinite(torque)])
+    return len(own) > 1 and float(np.diff(own).min()) < FINE * float(np.sqrt(np.mean(own**2)))
+
+
+def _lasting(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> list[float]:
+    """Return at which of its largest and its smallest torque, and of zero, [N m] one joint stays while it moves, arrays
+    (m,)."""
     same = ~_differs(torque, label, 1)
     # Hardly any log has a run to look at.
     in_a_row = same[FEWEST_IN_A_ROW - 2 :].copy()
@@ -53,10 +72,10 @@ def _limits(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> list
         in_a_row &= same[before : before + len(in_a_row)]
     if not in_a_row.any() or not np.isfinite(torque).any():
         return []
-    ends = np.unique([np.nanmin(torque), np.nanmax(torque)])
+    ends = np.unique([np.nanmin(torque), np.nanmax(torque), 0.0])
     moves = _differs(position, label, STILL)
     moves[:-STILL] &= moves[STILL:]
-    if moves.sum() < FEWEST_OF_JOINT or len(ends) < 2:
+    if moves.sum() < FEWEST_OF_JOINT or np.nanmin(torque) == np.nanmax(torque):
         return []
     repeats = moves & same
     elsewhere = _longest(repeats & ~np.isin(torque, ends)) + 1

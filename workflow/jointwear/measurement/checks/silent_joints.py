@@ -27,16 +27,28 @@ def silent_joints(measured: Measured) -> list[int]:
 
 def silent_samples(measured: Measured) -> np.ndarray:
     """Return where (m, n) bool a torque keeps one value for a while in which its joint turns."""
-    silent = np.zeros(measured.torque.shape, bool)
-    fewest = max(int(STAYS * measured.rate), 2)
     moves = np.abs(measured.velocity) > measured.speed_floor
-    for j, (torque, position) in enumerate(zip(measured.torque.T, measured.position.T, strict=True)):
-        changes = (np.diff(torque) != 0) | (np.diff(measured.trajectory) != 0)
-        edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [len(torque)]])
+    return kept_values(measured.torque, measured.position, moves, measured.trajectory, measured.rate)
+
+
+def kept_values(
+    torque: np.ndarray, position: np.ndarray, moves: np.ndarray, label: np.ndarray, rate: float
+) -> np.ndarray:
+    """Return where (m, n) bool a torque keeps one value for :data:`STAYS` and more in which its joint turns.
+
+    Parameters
+    ----------
+    torque, position : (m, n) [N m], [rad]. moves : (m, n) bool. label : (m,) of uninterrupted runs. rate : [Hz].
+    """
+    silent = np.zeros(torque.shape, bool)
+    fewest = max(int(STAYS * rate), 2)
+    for j, (values, places) in enumerate(zip(torque.T, position.T, strict=True)):
+        changes = (np.diff(values) != 0) | (np.diff(label) != 0)
+        edges = np.concatenate([[0], np.flatnonzero(changes) + 1, [len(values)]])
         # A torque with noise changes at every sample.
         for k in np.flatnonzero(np.diff(edges) >= fewest):
             a, b = edges[k : k + 2]
-            if moves[a:b, j].sum() >= fewest and np.ptp(position[a:b]) > TURNS:
+            if moves[a:b, j].sum() >= fewest and np.ptp(places[a:b]) > TURNS:
                 silent[a:b, j] = True
     return silent
 

@@ -72,6 +72,13 @@ _READ = {
             "not look like viscous friction; what the filter takes from quick motion is not known."
         ),
     ),
+    "silent": (
+        Flag.SILENT,
+        (
+            "The torque of {axes} keeps one value for a while in motion, as one that was not measured: the sensor, or "
+            "the log. These samples are left out."
+        ),
+    ),
     SCATTERED: (
         Flag.SCATTERED,
         (

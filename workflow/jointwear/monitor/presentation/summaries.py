@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.files.json_values import finite
 from jointwear.files.wording import listed, name_axes
-from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.measurement.flags import FLAG_WORDS, HARMLESS, Flag
 from jointwear.monitor.findings.seen_growth import COARSE, coarse_words
 from jointwear.monitor.judging.state import RobotState
 from jointwear.monitor.local_time import log_time
@@ -169,11 +169,7 @@ def why_unjudged(state: RobotState, j: int, start: int = 0) -> str:
     if not here.any():
         return ""
     flags = told_flags(state)[start:, j][here]
-    found = [
-        (int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f])
-        for f in Flag
-        if f not in (Flag.GAP, Flag.UNEXPLAINED, Flag.SATURATED, Flag.LATER, Flag.SCATTERED)
-    ]
+    found = [(int(np.sum(flags & int(f) != 0)), FLAG_WORDS[f]) for f in Flag if f not in HARMLESS]
     count, words = max(found, key=lambda pair: pair[0])
     if count == len(flags):
         return words

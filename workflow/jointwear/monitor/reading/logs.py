@@ -26,7 +26,7 @@ from jointwear.monitor.reading.plausibility import outside_limits
 from jointwear.monitor.reading.reversals import reach_of
 from jointwear.monitor.reading.scattered_stamps import stamps_scatter
 from jointwear.monitor.reading.seen_block import SeenBlock, model_torque
-from jointwear.monitor.reading.standing_torque import standing
+from jointwear.monitor.reading.standing_torque import mostly, silent, standing
 from jointwear.monitor.reading.survey import Survey, guard_of
 from jointwear.monitor.reading.torque_lag import LARGEST, off_in_time, read_later, rest_of
 from jointwear.monitor.reading.windows import WindowStatistics, blank_statistics, merge
@@ -155,7 +155,14 @@ def _block_statistics(
     settings = replace(settings, guard=guard_of(1 / step), reach=reach_of(1 / step))
     measured = without_jumps_of(without_lines(chunk, around.stretch), around.stretch)
     motion = derive_motion(measured, around.stretch, np.array(survey.cutoff))
+    moves = np.abs(motion.velocity) > settings.dead_band
+    unread = silent(chunk.torque, motion.position, moves, around.stretch, step)
+    if unread.any():
+        chunk = replace(chunk, torque=np.where(unread, np.nan, chunk.torque))
+        around = replace(around, chunk=chunk)
     marks = inspector(around, motion, kept)
+    frozen = mostly(unread, moves, chunk.time, settings.length)
+    marks |= np.where(frozen, int(Flag.TORQUE_FROZEN), np.where(unread, int(Flag.SILENT), 0))
     far = outside_limits(measured.position, model.robot)
     flags, usable = _flagged(around, motion, marks, far, settings.dead_band)
     torque = model_torque(model, around, motion, usable, settings.dead_band)

@@ -5,7 +5,7 @@ Only the first log decides, so that a log that arrives later changes nothing of 
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, togethe
 from jointwear.monitor.reading.derivation import Motion, derive_motion
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.plausibility import check_first
+from jointwear.monitor.reading.standing_torque import silent
 from jointwear.monitor.reading.torque_lag import Lag, lag_of, pieces_of
 from jointwear.robots.flange import FlangeLoad
 
@@ -129,7 +130,8 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         :class:`~jointwear.measurement.refused.Refused`, with what to mend.
     """
     chunk, stretch = _first_samples(path, layout, length)
-    rate = 1.0 / step_of(chunk.time, stretch)
+    step = step_of(chunk.time, stretch)
+    rate = 1.0 / step
     roles = [r for r in ("position", "velocity", "acceleration", "temperature") if getattr(chunk, r) is not None]
     derived = "velocity" not in roles or "acceleration" not in roles
     if derived and not reaches(rate, SLOWEST_RATE):
@@ -141,6 +143,8 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
     cutoff, noise = _spectra(chunk, stretch, rate, derived)
     motion = derive_motion(chunk, stretch, cutoff)
     dead_bands, noisy = _dead_band(motion, noise, dead_band)
+    unread = silent(chunk.torque, motion.position, np.abs(motion.velocity) > dead_bands, stretch, step)
+    chunk = replace(chunk, torque=np.where(unread, np.nan, chunk.torque)) if unread.any() else chunk
     left, misfit = check_first(chunk, stretch, motion, model.robot, dead_bands, path)
     first = _First(chunk, stretch, motion, model, dead_bands, rate)
     lag = _lag(first, length)
