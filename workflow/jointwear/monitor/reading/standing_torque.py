@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jointwear.measurement.checks.clipped_torque import at_limit, at_zero, is_fine
+from jointwear.measurement.checks.clipped_torque import LONGER, at_limit, at_zero, is_fine
 from jointwear.measurement.checks.silent_joints import kept_values
 
 #: Samples of a torque that keeps one value, and of motion of its joint either way, from which it is frozen.
@@ -49,9 +49,20 @@ def silent(torque: np.ndarray, position: np.ndarray, moves: np.ndarray, stretch:
     known = np.isfinite(torque)
     if not known.any() or step > SLOWEST:
         return np.zeros(torque.shape, dtype=bool)
-    kept = kept_values(torque, position, moves, stretch, 1.0 / step) | at_zero(torque, position, stretch)
-    kept[:, [j for j in np.flatnonzero(kept.any(axis=0)) if not is_fine(torque[:, j])]] = False
+    kept = kept_values(torque, position, moves, stretch, 1.0 / step)
+    kept |= moves & at_zero(torque, position, stretch)
+    for j in np.flatnonzero(kept.any(axis=0)):
+        kept[:, j] &= is_fine(torque[:, j]) and _stands_out(kept[:, j], torque[:, j], moves[:, j], stretch)
     return kept & ~at_limit(torque, position, stretch)[0] if kept.any() else kept
+
+
+def _stands_out(kept: np.ndarray, torque: np.ndarray, moves: np.ndarray, stretch: np.ndarray) -> np.ndarray:
+    """Return which samples lie in a run of one torque that is far longer than other runs in motion: those of a coarse
+    scale are long wherever the torque hardly changes. Arrays (m,)."""
+    edges = np.flatnonzero((np.diff(torque) != 0) | (np.diff(stretch) != 0)) + 1
+    lengths = np.diff(np.concatenate([[0], edges, [len(torque)]]))
+    run, others = np.repeat(lengths, lengths), moves & ~kept
+    return run > LONGER * (np.median(run[others]) if others.any() else 1.0)
 
 
 def mostly(found: np.ndarray, moves: np.ndarray, time: np.ndarray, length: float) -> np.ndarray:
