@@ -53,7 +53,9 @@ class OtherTime:
         longest, best = DELAYS[-1], 0.0
         for step, reach in zip(STEPS, (longest, *STEPS), strict=False):
             tried = best + step * np.arange(-round(reach / step), round(reach / step) + 1)
-            best = float(min(tried, key=self._all_left))
+            # The torque is read at whole samples.
+            samples = np.unique(np.round(tried * self._measured.rate))
+            best = float(min(samples / self._measured.rate, key=self._all_left))
         return best if abs(best) >= REFUSED else 0.0
 
     def _all_left(self, delay: float) -> float:
