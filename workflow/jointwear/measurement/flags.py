@@ -22,10 +22,15 @@ class Flag(IntFlag):
     LATER = 2048
     SCATTERED = 4096
     SILENT = 8192
+    COARSE_TORQUE = 16384
+    COARSE_POSITION = 32768
 
 
 #: Flags that are no reason why a window is not judged.
-HARMLESS = Flag.GAP | Flag.UNEXPLAINED | Flag.SATURATED | Flag.LATER | Flag.SCATTERED | Flag.SILENT
+HARMLESS = (
+    Flag.GAP | Flag.UNEXPLAINED | Flag.SATURATED | Flag.LATER | Flag.SCATTERED | Flag.SILENT | Flag.COARSE_TORQUE
+    | Flag.COARSE_POSITION
+)  # fmt: skip
 #: Flags that keep a window (of that axis) from being judged, whatever its statistics are.
 DISQUALIFYING = Flag.OUTSIDE_LIMITS | Flag.TORQUE_FROZEN | Flag.REFUSED | Flag.CONTRADICTED
 
@@ -44,4 +49,6 @@ FLAG_WORDS = {
     Flag.LATER: "the torque turns later or earlier than in the first log, and is read at its time",
     Flag.SCATTERED: "time stamps that scatter from sample to sample, so that speeds are wrong",
     Flag.SILENT: "the torque keeps one value for a while in motion, left out there",
+    Flag.COARSE_TORQUE: "the torque is written in coarser steps than in the first log",
+    Flag.COARSE_POSITION: "the position is written in coarser steps than in the first log",
 }

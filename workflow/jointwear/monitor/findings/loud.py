@@ -23,6 +23,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.spells import spell_finding, spells
 from jointwear.monitor.normal.series import LOUDEST, loud_windows
 from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
+from jointwear.monitor.reading.rounded import loud_by_rounding
 from jointwear.monitor.reading.scattered_stamps import scattered_since
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.statistics.known import known_median
@@ -68,8 +69,8 @@ def loud_findings(
     moved = (statistics.count > 0) & statistics.judgeable & ~before_baseline(baseline)[:, None]
     noise = np.sqrt(statistics.noise_variance)
     loud = loud_windows(statistics, baseline) & _news(noise, baseline[:, None] & moved)
-    # Stamps that scatter make any axis loud, and are told as such.
-    loud &= ~scattered_since(statistics, baseline)
+    # Stamps that scatter make any axis loud, and so do coarser numbers; both are told as such.
+    loud &= ~scattered_since(statistics, baseline) & ~loud_by_rounding(statistics, baseline)
     after = after_baseline(baseline)
     names = np.unique(shift[after])
     rows = [np.flatnonzero((shift == name) & after) for name in names]

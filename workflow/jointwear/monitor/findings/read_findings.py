@@ -11,13 +11,16 @@ from jointwear.effects import get_effect
 from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.normal.unsure import not_of_program
+from jointwear.monitor.reading.rounded import loud_by_rounding, rounded_since
 from jointwear.monitor.reading.scattered_stamps import scattered_since
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
 
-#: Kind of logs whose time stamps scatter.
-SCATTERED = "scattered_stamps"
+#: Kinds of logs whose time stamps scatter, and of logs that are written in coarser steps.
+SCATTERED, ROUNDED = "scattered_stamps", ("coarse_torque", "coarse_position")
+#: Flags of these, which windows of the baseline must not have.
+_COARSE = (Flag.COARSE_TORQUE, Flag.COARSE_POSITION)
 #: What was found in reading that keeps axes from being judged, or samples from counting: kind -> flag and words.
 _READ = {
     "set_back": (
@@ -79,6 +82,22 @@ _READ = {
             "the log. These samples are left out."
         ),
     ),
+    ROUNDED[0]: (
+        Flag.COARSE_TORQUE,
+        (
+            "The torque of {axes} is written in coarser steps than in the normal period, and the rounding is as large "
+            "as what play or a bearing would show: it is the log, and no axis is told to be loud for it. Write it with "
+            "as many digits as before."
+        ),
+    ),
+    ROUNDED[1]: (
+        Flag.COARSE_POSITION,
+        (
+            "The position of {axes} is written in coarser steps than in the normal period; accelerations, and with "
+            "them the torques that the model expects of all axes, are the noisier for it: it is the log, and no axis "
+            "is told to be loud for it. Write it with as many digits as before."
+        ),
+    ),
     SCATTERED: (
         Flag.SCATTERED,
         (
@@ -126,12 +145,15 @@ def reading_findings(
             marked &= ~moved & there
         if flag == Flag.SCATTERED:
             marked = scattered_since(statistics, baseline)
+        if flag in _COARSE:
+            marked = rounded_since(statistics, baseline, flag)
         # What is refused, or keeps one value, is told as that.
         if kind in NONE:
             marked &= statistics.flags & int(Flag.REFUSED) == 0
         elif flag == Flag.CONTRADICTED:
             marked &= statistics.flags & int(Flag.TORQUE_FROZEN) == 0
             if baseline is not None:
+                marked &= ~loud_by_rounding(statistics, baseline)
                 label = np.zeros(statistics.windows, dtype=int) if program is None else program
                 news = not_of_program(marked, np.ones_like(marked), label, baseline, OFTEN)
                 result += _since_baseline(statistics, marked & ~news)

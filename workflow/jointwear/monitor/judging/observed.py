@@ -18,6 +18,7 @@ from jointwear.monitor.normal.programs import labelled_regimes
 from jointwear.monitor.normal.series import Series, by_programs, friction_series, known_coulomb, sums_of
 from jointwear.monitor.normal.shifts import shift_labels
 from jointwear.monitor.reading.regimes import find_regimes, programs_or_one, signatures, without_torque
+from jointwear.monitor.reading.rounded import loud_by_rounding
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.backlash import hidden_because
 from jointwear.monitor.watching.scale import scale_series
@@ -69,6 +70,8 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     shift = shift_labels(start, end, first, steady)
     scale = scale_series(sums, noise)
     unseen = unseen_speed(path_speed(features), regime, first) != 0
+    # What rounding adds to the noise is no part that is carried.
+    unseen |= loud_by_rounding(statistics, first).any(axis=1)
     program, products = with_products(statistics, scale, regime, shift, first, unseen)
     series = by_programs(series, statistics, coulomb, programs_or_one(program, statistics.windows), first)
     temperature = np.where(stuck(statistics, first), np.nan, statistics.temperature)

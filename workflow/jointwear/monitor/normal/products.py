@@ -75,8 +75,9 @@ def with_products(
     ----------
     scale : log of the size of the bodies, :func:`.scale.scale_series`.
     regime : (w,) of :mod:`.regimes`, or None for one program. shift : (w,) labels. baseline : (w,) bool.
-    unseen : (w,) bool, windows at a speed that the baseline lacks, default none. They tell no product: noise and bodies
-        change with the speed as with a part, which the normal state has a column for (:mod:`.override`).
+    unseen : (w,) bool, windows at a speed that the baseline lacks, or of coarser numbers, default none. They tell no
+        product: noise and bodies change with the speed as with a part, which the normal state has a column for
+        (:mod:`.override`), and the noise with the numbers.
     """
     program = programs_or_one(regime, statistics.windows)
     seen = statistics.judgeable & (statistics.count > 0) & (statistics.noise_variance > 0)

@@ -12,7 +12,7 @@ from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN
 from jointwear.monitor.findings.misfits import MISFIT
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
 from jointwear.monitor.findings.offsets import OFFSET
-from jointwear.monitor.findings.read_findings import DRIVES, NONE, SCATTERED
+from jointwear.monitor.findings.read_findings import DRIVES, NONE, ROUNDED, SCATTERED
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.thermometers import BROKEN
 from jointwear.monitor.judging.baseline import ELSEWHERE
@@ -38,6 +38,7 @@ WHILE_IT_LASTS = (
     BROKEN,
     OFFSET,
     SCATTERED,
+    *ROUNDED,
 )
 #: Kinds that only tell how a robot ran and what of it is judged, unless they name logs to look at.
 TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED)

@@ -24,6 +24,7 @@ from jointwear.monitor.reading.inspection import Inspector
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.plausibility import outside_limits
 from jointwear.monitor.reading.reversals import reach_of
+from jointwear.monitor.reading.rounded import coarser
 from jointwear.monitor.reading.scattered_stamps import stamps_scatter
 from jointwear.monitor.reading.seen_block import SeenBlock, model_torque
 from jointwear.monitor.reading.standing_torque import mostly, silent, standing
@@ -161,6 +162,8 @@ def _block_statistics(
         chunk = replace(chunk, torque=np.where(unread, np.nan, chunk.torque))
         around = replace(around, chunk=chunk)
     marks = inspector(around, motion, kept)
+    marks |= np.where(coarser(chunk.position, survey.position_step), int(Flag.COARSE_POSITION), 0)
+    marks |= np.where(coarser(chunk.torque, survey.torque_step), int(Flag.COARSE_TORQUE), 0)
     frozen = mostly(unread, moves, chunk.time, settings.length)
     marks |= np.where(frozen, int(Flag.TORQUE_FROZEN), np.where(unread, int(Flag.SILENT), 0))
     far = outside_limits(measured.position, model.robot)

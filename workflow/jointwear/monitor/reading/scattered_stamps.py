@@ -15,7 +15,7 @@ from jointwear.monitor.reading.windows import WindowStatistics
 #: Median deviation of the steps of time from the usual one, as a share of it, from which stamps scatter. Stamps rounded
 #: to ms have 0.06 at 60 Hz and less below; stamps that are off by a seventh of a step (standard deviation) have this.
 SCATTER = 0.14
-#: Share of the windows of the baseline with it from which on it is how the logs are, and no news.
+#: Share of the windows of the baseline with a flag from which on it is how the logs are, and no news.
 USUAL = 0.1
 
 
@@ -31,6 +31,12 @@ def stamps_scatter(time: np.ndarray, stretch: np.ndarray) -> bool:
 def scattered_since(statistics: WindowStatistics, baseline: np.ndarray | None) -> np.ndarray:
     """Return the windows (w, n) whose stamps scatter as those of the `baseline` (w,) bool do not; none where there is
     no baseline to compare with."""
-    marked = statistics.flags & int(Flag.SCATTERED) != 0
+    return marked_since(statistics, baseline, Flag.SCATTERED)
+
+
+def marked_since(statistics: WindowStatistics, baseline: np.ndarray | None, flag: Flag) -> np.ndarray:
+    """Return the windows (w, n) with a flag that those of the `baseline` (w,) bool do not have; none where there is no
+    baseline to compare with."""
+    marked = statistics.flags & int(flag) != 0
     usual = baseline is None or not baseline.any() or marked[baseline].any(axis=1).mean() >= USUAL
     return np.zeros_like(marked) if usual else marked

@@ -27,6 +27,7 @@ from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, togethe
 from jointwear.monitor.reading.derivation import Motion, derive_motion
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.plausibility import check_first
+from jointwear.monitor.reading.rounded import written_steps
 from jointwear.monitor.reading.standing_torque import silent
 from jointwear.monitor.reading.torque_lag import Lag, lag_of, pieces_of
 from jointwear.robots.flange import FlangeLoad
@@ -67,7 +68,8 @@ class Survey:
     the model leaves, or None; `late`, `late_error` [s]: how late the torque is, :mod:`.torque_lag`, None where that is
     not seen; `block` [s] of :class:`~.accumulate.WindowSettings`; `log`: the log itself; `noisy`: the axis moves, and
     its dead band comes from the noise of its velocity; `left_over`, `zero` and `zero_axis` (0-based) as of
-    :class:`~.misfit.Misfit`, of no axis where the list is empty.
+    :class:`~.misfit.Misfit`, of no axis where the list is empty; `position_step` [rad] and `torque_step` [N m] in which
+    numbers are written, None where there is none, of no axis where the list is empty.
     """
 
     dated: bool
@@ -85,6 +87,8 @@ class Survey:
     left_over: list[float | None] = field(default_factory=list)
     zero: str = ""
     zero_axis: int | None = None
+    position_step: list[float | None] = field(default_factory=list)
+    torque_step: list[float | None] = field(default_factory=list)
 
     @property
     def lag(self) -> Lag | None:
@@ -164,6 +168,8 @@ def survey_log(path: str, layout: Layout, model: TorqueModel, length: float, dea
         left_over=misfit.left_over,
         zero=misfit.zero,
         zero_axis=misfit.zero_axis,
+        position_step=written_steps(chunk.position),
+        torque_step=written_steps(chunk.torque),
     )
 
 
