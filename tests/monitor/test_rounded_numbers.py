@@ -11,6 +11,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.loud import LOUD, UNEVEN, loud_findings
 from jointwear.monitor.findings.read_findings import ROUNDED, reading_findings
 from jointwear.monitor.judging.observed import observe
+from jointwear.monitor.reading.program_labels import label_text
 from jointwear.monitor.reading.rounded import coarser, loud_by_rounding, written_steps
 
 
@@ -86,3 +87,6 @@ def test_what_rounding_adds_is_no_part_that_is_carried():
     baseline = np.arange(80) < 40
     assert observe(plain, baseline, SETTINGS).products
     assert not observe(marked, baseline, SETTINGS).products
+    # A program that ran in such logs alone tells none either.
+    named = np.array([label_text(np.array(["press" if k else "weld"])) for k in late], dtype=object)
+    assert not observe(replace(marked, labels=named), baseline, SETTINGS).products

@@ -87,6 +87,8 @@ def with_products(
         own = program == name if unseen is None else (program == name) & ~unseen
         early, late = (_by_shift(own & rows, shift, noise, scale) for rows in (baseline, after_baseline(baseline)))
         lacked = not early
+        if lacked and not late:
+            continue
         if lacked:
             # The first shift of a program that the baseline lacks stands for the usual product; where it holds an hour
             # or two of it, in which a load may not have been found, with the next.
