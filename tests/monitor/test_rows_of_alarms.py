@@ -55,6 +55,19 @@ def test_rows_of_the_first_windows_are_the_first_rows(both_kinds):
             np.testing.assert_allclose(*numbers, rtol=1e-6)
 
 
+def test_a_row_tells_the_growth_of_the_day_before():
+    """A mean over the shifts that alarmed, as the rows told, was half of their growth behind: 22.4 % (21.4 to 23.4) of
+    29.5, beside a page with 28.9."""
+    grown = np.zeros((COUNT, 3))
+    grown[:, 0] = np.clip((np.arange(COUNT) - 130) * 1e-3, 0.0, None)
+    statistics = statistics_of(residuals(COUNT, grown, 31))
+    rows = [a for a in rows_until(statistics, COUNT) if a["detector"] == "model"]
+    assert len(rows) > 3
+    for row in rows[1:]:
+        k = int(np.searchsorted(statistics.end, row["time"]))
+        assert row["growth_percent"] == pytest.approx(100 * grown[k - 23 : k + 1, 0].mean(), abs=0.8)
+
+
 def test_a_row_says_whose_limit_its_hours_are_to(both_kinds, tmp_path):
     """A row of Coulomb friction said 26 h: those to the limit of viscous friction, which nothing named."""
     rows = [a for a in rows_until(both_kinds, COUNT) if a["detector"] == "model"]

@@ -52,8 +52,8 @@ from jointwear.monitor.watching.decision import LEAST
 from jointwear.monitor.watching.gain_of_all import gain_of_all
 from jointwear.monitor.watching.gain_of_axes import gains_of_axes, without_gain
 from jointwear.monitor.watching.limits import LimitDate
-from jointwear.monitor.watching.parts import ViscousGrowth, viscous_part, viscous_scale
-from jointwear.monitor.watching.present import back_to_normal, error_now
+from jointwear.monitor.watching.parts import ViscousGrowth, viscous_scale
+from jointwear.monitor.watching.present import back_to_normal, coulomb_growth, error_now
 from jointwear.monitor.watching.records import CHANGED, VISCOUS_UNIT, Teller, paper_records
 from jointwear.monitor.watching.scale import ScaleStep, scale_steps
 from jointwear.monitor.watching.shared_error import units_of_levels
@@ -361,14 +361,11 @@ def _estimates(
 
     for j in range(n):
         axis, share = level.axes[j], float(series["friction"].share[j])
-        error = 0.0 if viscous.axes[j] is None else error_now(viscous, j, shift, end)
         if axis is not None:
-            part, spread = viscous_part(level, viscous, j, shift, grown[j])
-            growth = np.expm1(level.residual[:, j]) - part
-            of_now = np.hypot(error_now(level, j, shift, end), error if spread[-1] > 0 else 0.0)
             scales = {"coulomb": axis.unit, "coulomb_percent": 100 * axis.to_coulomb}
-            tell(j, growth, np.hypot(level.std[:, j], spread), of_now, scales)
+            tell(j, *coulomb_growth(level, viscous, j, shift, end, grown[j]), scales)
         if viscous.axes[j] is not None and speed[j] > 0:
+            error = error_now(viscous, j, shift, end)
             scales = {"viscous": series["viscous"].unit[j] / speed[j], "viscous_percent": 100 * viscous_scale(share)}
             tell(j, viscous.residual[:, j], viscous.std[:, j], error, scales)
     for name in names:

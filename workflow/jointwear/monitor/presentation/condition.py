@@ -20,7 +20,7 @@ from jointwear.monitor.presentation.overnight import greased_since, rose_alike, 
 from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate
-from jointwear.monitor.watching.present import FEWEST_NOW, NOW, now_windows
+from jointwear.monitor.watching.present import FEWEST_NOW, NOW, mean_now, now_windows
 from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, VISCOUS_UNIT, Reason
 
 #: An axis with alarms that nobody has explained, though its friction is back to normal or no longer seen.
@@ -360,17 +360,14 @@ def latest(state: RobotState, name: str, j: int) -> tuple[float, float]:
     if name not in state.estimates:
         return math.nan, math.nan
     values, std, _ = state.estimates[name]
-    recent = now_windows(state.end)
-    value, error = values[recent, j], std[recent, j]
-    good = np.isfinite(value) & (error > 0)
-    if not good.any():
+    value = mean_now(values[:, j], std[:, j], state.end)
+    if not math.isfinite(value):
         return math.nan, math.nan
-    weight = 1 / error[good] ** 2
     told = float(state.now_error[name][j]) if name in state.now_error else math.nan
-    return (
-        float(np.average(value[good], weights=weight)),
-        told if math.isfinite(told) else float(1 / np.sqrt(weight.sum())),
-    )
+    if not math.isfinite(told):
+        error = std[now_windows(state.end), j]
+        told = float(1 / np.sqrt(np.sum(1 / error[error > 0] ** 2)))
+    return value, told
 
 
 def urgency(conditions: list[AxisCondition]) -> list[AxisCondition]:

@@ -96,7 +96,7 @@ class Limits:
         together: np.ndarray | None = None,
     ) -> None:
         self._apart = np.ones(len(shift), dtype=bool) if together is None else ~together
-        self._level, self._viscous, self._share = level, viscous, share
+        self.level, self.viscous, self._share = level, viscous, share
         self._shift, self._end, self._limit = shift, end, limit
         self._place = np.arange(len(shift))
         self._grown: dict[int, ViscousGrowth] = {}
@@ -105,7 +105,7 @@ class Limits:
         """Return what of the growth of the 0-based axis `j` is viscous, by all windows."""
         if j not in self._grown:
             share = float(self._share[j])
-            self._grown[j] = viscous_growth(self._level, self._viscous, j, self._shift, share)
+            self._grown[j] = viscous_growth(self.level, self.viscous, j, self._shift, share)
         return self._grown[j]
 
     def forecast(self, j: int, name: str, now: bool = False) -> LimitDate | None:
@@ -143,40 +143,40 @@ class Limits:
         """Return the variance of the growth of viscous friction in shifts outside episodes, 0 of Coulomb friction."""
         if name == COULOMB:
             return 0.0
-        quiet = after_baseline(self._level.baseline) & self._apart
-        for episode, _ in episode_parts(self._level, j, self._shift):
+        quiet = after_baseline(self.level.baseline) & self._apart
+        for episode, _ in episode_parts(self.level, j, self._shift):
             quiet[episode] = False
-        means = shift_means(self._viscous, j, quiet, self._shift, self._end)
+        means = shift_means(self.viscous, j, quiet, self._shift, self._end)
         return viscous_scale(float(self._share[j])) ** 2 * wander(means)
 
     def _growth(self, j: int, name: str, within: np.ndarray | None = None) -> Growth | None:
         """Return the growth of a quantity, of viscous friction in windows `within` (w,) bool alone; None where none is
         known."""
-        if name == COULOMB and self._level.axes[j] is not None:
+        if name == COULOMB and self.level.axes[j] is not None:
             return self._coulomb(j)
-        if self._viscous.axes[j] is None:
+        if self.viscous.axes[j] is None:
             return None
-        means, start = self._means(self._viscous, j, within)
+        means, start = self._means(self.viscous, j, within)
         if not len(means.value):
             return None
-        scale, shared = viscous_scale(float(self._share[j])), normal_error(self._viscous, j)
+        scale, shared = viscous_scale(float(self._share[j])), normal_error(self.viscous, j)
         return Growth(means.time / 3600, scale * means.value, scale**2 * means.variance, scale * shared, start)
 
     def _coulomb(self, j: int) -> Growth | None:
-        axis = self._level.axes[j]
-        means, start = self._means(self._level, j)
+        axis = self.level.axes[j]
+        means, start = self._means(self.level, j)
         grown = self.grown(j)
         named = bool(grown.named[-1])
         if not len(means.value) or (named and axis.source != "friction"):
             return None
-        value, variance, shared = np.expm1(means.value), means.variance.copy(), normal_error(self._level, j)
+        value, variance, shared = np.expm1(means.value), means.variance.copy(), normal_error(self.level, j)
         if named:
             # The part that is viscous is none of Coulomb friction; before the episode there is none.
-            parts = shift_means(self._viscous, j, grown.named, self._shift, self._end)
+            parts = shift_means(self.viscous, j, grown.named, self._shift, self._end)
             _, a, b = np.intersect1d(means.shift, parts.shift, return_indices=True)
             value[a] -= parts.value[b]
             variance[a] += parts.variance[b]
-            shared = float(np.hypot(shared, normal_error(self._viscous, j)))
+            shared = float(np.hypot(shared, normal_error(self.viscous, j)))
         elif grown.taken[-1] > 0:
             value[np.isin(means.shift, self._shift[grown.taken > 0])] *= 1.0 - grown.taken[-1]
         scale = axis.to_coulomb

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointwear.monitor.normal.dispersion import Q80, inflated
 from jointwear.monitor.watching.decision import NORMAL
+from jointwear.monitor.watching.parts import ViscousGrowth, viscous_part
 from jointwear.monitor.watching.watching import Watch
 
 #: Length of time at the end [s] that counts as now: a day, so that the shifts of a day weigh alike.
@@ -22,6 +23,30 @@ def now_windows(end: np.ndarray) -> np.ndarray:
     """Return the indices of the windows that count as now; `end` (w,) [s] of all."""
     recent = np.flatnonzero(end > end[-1] - NOW)
     return recent if len(recent) >= FEWEST_NOW else np.arange(max(0, len(end) - FEWEST_NOW), len(end))
+
+
+def mean_now(values: np.ndarray, std: np.ndarray, end: np.ndarray) -> float:
+    """Return the weighted mean over the windows of now of an estimate (w,) with standard deviations (w,), NaN where
+    none of them has one; `end` (w,) [s]."""
+    rows = now_windows(end)
+    rows = rows[np.isfinite(values[rows]) & (std[rows] > 0)]
+    return float(np.average(values[rows], weights=1 / std[rows] ** 2)) if len(rows) else np.nan
+
+
+def coulomb_growth(
+    level: Watch, viscous: Watch, j: int, shift: np.ndarray, end: np.ndarray, grown: ViscousGrowth
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return the growth (w,) of the level of axis `j` over its normal value, without what of it is viscous, its
+    standard deviation (w,), and that of its mean now.
+
+    Parameters
+    ----------
+    shift : (w,) labels. end : (w,) [s]. grown : what of the growth is viscous.
+    """
+    part, spread = viscous_part(level, viscous, j, shift, grown)
+    of_part = error_now(viscous, j, shift, end) if viscous.axes[j] is not None and spread[-1] > 0 else 0.0
+    error = float(np.hypot(error_now(level, j, shift, end), of_part))
+    return np.expm1(level.residual[:, j]) - part, np.hypot(level.std[:, j], spread), error
 
 
 def error_now(watched: Watch, j: int, shift: np.ndarray, end: np.ndarray) -> float:
@@ -66,11 +91,9 @@ def back_to_normal(watches: Sequence[tuple[Watch, np.ndarray]], shift: np.ndarra
 
 
 def _is_back(watched: Watch, j: int, hits: np.ndarray, shift: np.ndarray, end: np.ndarray) -> bool:
-    rows, error = now_windows(end), error_now(watched, j, shift, end)
-    rows = rows[np.isfinite(watched.residual[rows, j])]
-    if not len(rows) or not np.isfinite(error):
+    now, error = mean_now(watched.residual[:, j], watched.std[:, j], end), error_now(watched, j, shift, end)
+    if not np.isfinite(now + error):
         return False
-    now = float(np.average(watched.residual[rows, j], weights=1.0 / watched.std[rows, j] ** 2))
     told = watched.mean[hits, j]
     told = told[np.isfinite(told)]
     return now - NORMAL <= Q80 * error and (not len(told) or now < NEARER * float(told.max()))

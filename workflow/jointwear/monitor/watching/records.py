@@ -22,6 +22,7 @@ from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate, Limit
 from jointwear.monitor.watching.locate import honest_probability
 from jointwear.monitor.watching.paper_detector import paper_alarms
 from jointwear.monitor.watching.parts import viscous_scale
+from jointwear.monitor.watching.present import coulomb_growth, error_now, mean_now
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.monitor.watching.watching import Watch
 
@@ -213,21 +214,40 @@ class Teller:
         for k, j in np.argwhere(self._told):
             known = self._known(k + 1)
             name, mean, error = self._parts(k, j, bool(known.grown(j).named[k]))
-            values = [mean, mean - Q80 * error, mean + Q80 * error]
-            by_level = self._level.alarm[k, j] and (name == COULOMB or self._level.axes[j].source == "friction")
-            if by_level:
-                changes = [self._level.axes[j].unit * float(np.expm1(v)) for v in values]
-            else:
-                changes = [float(self._series["viscous"].unit[j]) * v for v in values]
+            growth, spread = self._growth_then(k, j, name, known)
+            unit_of = self._level.axes[j].unit if name == COULOMB else float(self._series["viscous"].unit[j])
+            changes = [unit_of * v for v in (growth, growth - Q80 * spread, growth + Q80 * spread)]
             percent, unit = [self._percent_of(j, name) * v for v in changes], "N m"
             if name == VISCOUS and self._speed[j] > 0:
                 changes, unit = [v / self._speed[j] for v in changes], VISCOUS_UNIT
             # By what alarms its growth may be none: then, as while all axes move together, it may be chance.
-            other_cause = bool(_together(level)[k]) or values[1] <= 0
+            other_cause = bool(_together(level)[k]) or mean <= Q80 * error
             sure = honest_probability(statistic[k], threshold[k], other_cause)[j] if level.alarm[k, j] else np.nan
             grown, expected = Grown(changes, unit, percent, 100 * self._limit), known.forecast(j, name)
             result.append(record(self._s.end[k], int(j) + 1, name, grown, float(sure), expected, DETECTORS[0]))
         return result
+
+    def _growth_then(self, k: int, j: int, name: str, known: Limits) -> tuple[float, float]:
+        """Return by how much a quantity of an axis had grown by window `k`, over its normal value, and the standard
+        error: what pages tell as of now, then, by the shifts that alarmed. Where none of their windows in that day
+        shows it, the mean of all of them."""
+        watched, shift, end = (
+            known.level if name == COULOMB else known.viscous,
+            self._shift[: k + 1],
+            self._s.end[: k + 1],
+        )
+        judged = np.isfinite(watched.residual[:, j])
+        alarmed = np.isin(shift, np.unique(shift[judged])[-max(int(watched.shifts[k, j]), 1) :])
+        part = replace(watched, residual=np.where(alarmed[:, None], watched.residual, np.nan))
+        if name == COULOMB:
+            growth, std, error = coulomb_growth(part, known.viscous, j, shift, end, known.grown(j))
+        else:
+            growth, std, error = part.residual[:, j], part.std[:, j], error_now(part, j, shift, end)
+        found = mean_now(growth, std, end), error
+        if np.isfinite(found).all():
+            return found
+        mean, error = float(watched.mean[k, j]), float(watched.mean_std[k, j])
+        return (float(np.expm1(mean)) if name == COULOMB else mean), error
 
     def _percent_of(self, j: int, name: str) -> float:
         """Return the growth of a quantity of an axis, of what it was in the normal period, for one N m [%/(N m)]."""
