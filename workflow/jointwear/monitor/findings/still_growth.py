@@ -28,8 +28,8 @@ def standstill_findings(statistics: WindowStatistics, limits: Sequence[LimitDate
         since = limit.still
         words = (
             f"Growth of the {in_sentence(limit.quantity)} of axis {j + 1} has stood still since about "
-            f"{moment_words(statistics, since)}: it may never reach its limit. What made it grow has to be found all "
-            "the same; should it go on, its limit is given a date again."
+            f"{moment_words(statistics, since)}: it may never reach its limit. What made it grow began and stopped, "
+            "or is a drift that this axis has anyway; should it go on, its limit is given a date again."
         )
         result.append({"time": since, "axes": [j + 1], "kind": STANDSTILL, "words": words})
     return result

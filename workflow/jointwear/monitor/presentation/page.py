@@ -30,7 +30,7 @@ from jointwear.monitor.presentation.standing import last_judged, rows_left_out, 
 from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
 from jointwear.monitor.presentation.temperature import temperature_share
 from jointwear.monitor.presentation.to_answer import asks_for_answer
-from jointwear.monitor.presentation.words import sure_percent, sure_words, todo
+from jointwear.monitor.presentation.words import row_words, sure_percent, sure_words, todo
 from jointwear.monitor.watching.present import NOW, now_windows
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
@@ -52,7 +52,12 @@ LISTED = 30
 def alarm_rows(state: RobotState, episode: Episode, zone: tzinfo) -> list[dict[str, Any]]:
     """Return the alarms of an episode, the newest first, with their times in words and how sure the axis is."""
     return [
-        {**alarm, "sure": sure_percent(alarm["probability_axis"]), "when": when(state, alarm["time"], zone)}
+        {
+            "limited_by": alarm["limited_by"],
+            **row_words(alarm),
+            "sure": sure_percent(alarm["probability_axis"]),
+            "when": when(state, alarm["time"], zone),
+        }
         for alarm in reversed(episode.alarms[-LISTED:])
     ]
 

@@ -33,6 +33,8 @@ NO_BREAK = "\u00a0"
 SURE = 0.99
 #: What a forecast of no hours says: half of all courses that agree with the logs are at the limit, the mean is not.
 MAY_BE_REACHED = "may be reached by now"
+#: The same of an alarm, as of then.
+REACHED_THEN, MAY_HAVE_BEEN = "reached", "may have been reached"
 #: Share of the limit below which growth has no bar: it would not be seen.
 LEAST_BAR = 0.02
 
@@ -163,6 +165,35 @@ def anew_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) ->
     if event is None:
         return ""
     return f"growth counts from {log_time(event['time'], zone, row['dated'])} ({event['kind']})"
+
+
+def row_words(alarm: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a page says of a row of alarms.csv: how much was `grown` by then, as a share where that is known, its
+    interval `of_it`, the same `in_unit`; and the hours `ahead` to the limit, and their interval `of_ahead`.
+
+    A forecast of no hours is told as of then: what was below the limit may have reached it, at the latest when its
+    interval ends.
+    """
+    said = dict.fromkeys(("grown", "of_it", "in_unit", "ahead", "of_ahead"), "")
+    said["grown"] = said["ahead"] = "–"
+    size, share = ([alarm[f"{name}{end}"] for end in ("", "_low", "_high")] for name in ("change", "growth_percent"))
+    if size[0] is not None:
+        in_unit = f"{number(size[0], 3, True)} {alarm['unit'] or ''}".rstrip()
+        told = share if share[0] is not None else size
+        said["of_it"] = " to ".join(number(v) for v in told[1:])
+        said["grown"] = in_unit
+        if share[0] is not None:
+            said["grown"], said["in_unit"] = f"{fixed(share[0], 1, True)}{NO_BREAK}%", in_unit
+    middle, low, high = (alarm[f"hours_to_limit{end}"] for end in ("", "_low", "_high"))
+    if middle == 0:
+        beyond = share[0] is not None and alarm["limit_percent"] is not None and share[0] >= alarm["limit_percent"]
+        said["ahead"] = REACHED_THEN if beyond else MAY_HAVE_BEEN
+        latest = "" if beyond or high == 0 else f"in {number(high)} at the latest" if high is not None else "or never"
+        said["of_ahead"] = latest
+    elif middle is not None or low is not None:
+        said["ahead"] = number(middle) if middle is not None else "∞"
+        said["of_ahead"] = f"{number(low)} to {number(high) if high is not None else '∞'}"
+    return said
 
 
 def outlook_words(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> str:
