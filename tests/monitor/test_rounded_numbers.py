@@ -78,6 +78,15 @@ def test_coarser_numbers_that_matter_are_told_in_place_of_a_loud_axis(flag, kind
     assert not [f for f in reading_findings(always, baseline) if f["kind"] in ROUNDED]
 
 
+def test_a_torque_of_a_few_values_is_neither_at_a_limit_nor_a_load():
+    plain, late = statistics_of(residuals(20, np.zeros((20, 3)), 1)), np.arange(20)[:, None] >= 12
+    odd = np.where(late, int(Flag.SATURATED | Flag.CONTRADICTED), 0) * np.array([0, 0, 1])
+    told = [f["kind"] for f in reading_findings(replace(plain, flags=plain.flags | odd), np.arange(20) < 12)]
+    assert told == ["contradicted", "saturated"]
+    coarse = np.where(odd > 0, int(Flag.COARSE_TORQUE), 0)
+    assert reading_findings(replace(plain, flags=plain.flags | odd | coarse), np.arange(20) < 12) == []
+
+
 def test_what_rounding_adds_is_no_part_that_is_carried():
     residual = residuals(80, np.zeros((80, 3)), 3)
     late = np.arange(80) >= 60

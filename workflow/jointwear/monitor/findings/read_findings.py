@@ -12,7 +12,7 @@ from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.normal.unsure import not_of_program
 from jointwear.monitor.reading.rounded import loud_by_rounding, rounded_since
-from jointwear.monitor.reading.scattered_stamps import scattered_since
+from jointwear.monitor.reading.scattered_stamps import marked_since, scattered_since
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
@@ -147,6 +147,9 @@ def reading_findings(
             marked = scattered_since(statistics, baseline)
         if flag in _COARSE:
             marked = rounded_since(statistics, baseline, flag)
+        if flag in (Flag.SATURATED, Flag.CONTRADICTED):
+            # Of a light axis rounding leaves a few values, which look like a limit and fit no model.
+            marked &= ~marked_since(statistics, baseline, Flag.COARSE_TORQUE)
         # What is refused, or keeps one value, is told as that.
         if kind in NONE:
             marked &= statistics.flags & int(Flag.REFUSED) == 0
