@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jointwear.discovery import Settings
-from jointwear.discovery.model.shared_friction import undecided_friction
+from jointwear.discovery.model.shared_friction import shared_friction, undecided_friction
 from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.verdict import Retuned
 
@@ -14,16 +14,16 @@ LEVEL, NOISE = 3.5, 0.28
 CORRECTED = Retuned("coulomb_positive", 3, 0.1, 0.16, 0.001, "N m")
 
 
-def _final(slow, fast, named=((1, 2),), other=1.0):
+def _final(slow, fast, named=((1, 2),), other=1.0, both=False):
     """Return a model with drives named on joints of pairs `named`, 0-based; of the joints 1 and 2 the speeds are `slow`
-    and `fast` [rad/s]."""
+    and `fast` [rad/s]. Where `both`, a drive has one name on the two."""
     velocity = np.stack([np.zeros_like(slow), slow, fast], axis=1)
     settings = SimpleNamespace(settings=Settings(), train_state=SimpleNamespace(velocity=velocity), judged=[0, 1, 2])
     white = SimpleNamespace(problem=settings, columns=lambda axis, x: x / NOISE)
     shares = {"own": 1.0, "other": other}
     drives = [
         SimpleNamespace(
-            named=SimpleNamespace(candidate=Candidate("drive_coupling", *pair, shares)),
+            named=SimpleNamespace(candidate=Candidate("drive_coupling", *pair, shares, both=both)),
             parameters={"coulomb": LEVEL, **shares},
         )
         for pair in named
@@ -56,3 +56,11 @@ def test_nothing_is_told_where_nothing_was_corrected_or_both_have_the_name():
     assert not undecided_friction(final, [])
     assert not undecided_friction(final, [Retuned("viscous", 3, 0.1, 0.16, 0.001, "N m s/rad")])
     assert not undecided_friction(_final(0.5 * FAST, FAST, ((1, 2), (2, 1))), [CORRECTED])
+
+
+def test_a_drive_that_is_written_on_both_joints_is_told_as_that():
+    final = _final(0.5 * FAST, FAST, both=True)
+    assert not undecided_friction(final, [CORRECTED])
+    (told,) = shared_friction(final)
+    assert told.startswith("joint 3 turns the drive too that has its name on joint 2: the robot file has its friction")
+    assert not shared_friction(_final(0.5 * FAST, FAST))

@@ -12,7 +12,7 @@ from jointwear.discovery.held_out import HeldOut, held_out
 from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.model.link_masses import moving_bodies
 from jointwear.discovery.model.retuned import ended_on_bounds, retuned_parameters, stands_in
-from jointwear.discovery.model.shared_friction import undecided_friction
+from jointwear.discovery.model.shared_friction import shared_friction, undecided_friction
 from jointwear.discovery.model.told_fallbacks import told_fallbacks
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate
 from jointwear.discovery.problem.identifiability import Visible
@@ -112,6 +112,7 @@ def _in_words(final: Final, retuned: list[Retuned], held: HeldOut) -> Iterable[s
     yield from _alike_in_time(final)
     yield from beyond_the_time(problem, written)
     yield from beyond_the_temperature(problem, written)
+    yield from shared_friction(final)
     yield from undecided_friction(final, retuned)
     yield from stands_in(retuned, left | {axis - 1 for axis in held.ringing})
 

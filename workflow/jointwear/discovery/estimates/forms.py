@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointwear.discovery.linear import Term
-from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, on_all_axes
+from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, fitted_torque, on_all_axes
 from jointwear.discovery.problem.whitening import White
 from jointwear.effects import State, get_effect
 from jointwear.effects.effect import Parameters, correction_torque
@@ -92,3 +92,15 @@ def companion(white: White, form: Form, size: float) -> Term:
         np.maximum(std, 1e-9),
         {axis: white.raw(axis, columns)},
     )
+
+
+def form_term(
+    white: White, fit: Fit, candidate: Candidate, blocks: dict[int, np.ndarray], std: np.ndarray
+) -> Term | None:
+    """Return the :func:`companion` of a candidate that is fitted beside a fit, None where its form is exact; arguments
+    as of :func:`.candidates.fitted_torque`."""
+    form = form_of(white, candidate)
+    if form is None:
+        return None
+    torque = fitted_torque(white, fit, candidate, blocks, std)
+    return companion(white, form, float(np.sqrt(np.mean(torque**2))))

@@ -38,7 +38,7 @@ class RefinedModel:
     @property
     def axes(self) -> list[int | None]:
         """The 0-based axes on which it acts, None for the whole arm."""
-        return [c.axis for c in self.candidates] + [n.candidate.axis for n in self.masses]
+        return [axis for c in self.candidates for axis in c.axes] + [n.candidate.axis for n in self.masses]
 
     @property
     def effect_terms(self) -> list[Term]:

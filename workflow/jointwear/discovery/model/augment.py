@@ -100,7 +100,8 @@ def _with_effects(data: dict[str, Any], estimates: Sequence[Estimate], state: St
 
 
 def entries_of(e: Estimate, state: State) -> list[dict[str, Any]]:
-    """Return the entries of the robot file for one effect; the bends of its form become a table or further entries.
+    """Return the entries of the robot file for one effect; the bends of its form become a table or further entries, and
+    a drive that two joints turn has one on each of them.
 
     Every parameter lies within the bounds of the effect, so that the file can be read again.
     """
@@ -113,9 +114,10 @@ def entries_of(e: Estimate, state: State) -> list[dict[str, Any]]:
     return [
         {
             "effect": candidate.effect,
-            "axis": None if candidate.axis is None else candidate.axis + 1,
-            "source_axis": None if candidate.source is None else candidate.source + 1,
+            "axis": None if half.axis is None else half.axis + 1,
+            "source_axis": None if half.source is None else half.source + 1,
             "parameters": builtin(effect.bounded(parameters)),
         }
+        for half in candidate.halves
         for parameters in written
     ]

@@ -189,7 +189,7 @@ def doubts(outcome: Outcome) -> np.ndarray:
     share, to what the axis lacks. Elsewhere it is 1.
     """
     doubt = np.ones(outcome.problem.robot.joints)
-    where = open_axes(outcome, [n.candidate.axis for n in outcome.named])
+    where = open_axes(outcome, [axis for n in outcome.named for axis in n.candidate.axes])
     if where:
         doubt[where] = misfit_of(outcome.white, outcome.fit)[where]
         white = tempered(outcome.white, doubt)

@@ -21,7 +21,8 @@ def floor_with_names(final: Final) -> list[float | None]:
     for estimate in (*final.estimates, *final.unwritten):
         candidate = estimate.named.candidate
         if candidate.axis is not None and candidate.effect != LINK_MASS:
-            columns.setdefault(candidate.axis, []).append(raw_columns(outcome.white, candidate))
+            for half in candidate.halves:
+                columns.setdefault(half.axis, []).append(raw_columns(outcome.white, half))
     for axis, found in columns.items():
         if floor[axis] is not None:
             known = axis_noise(outcome.problem, axis, np.concatenate(found, axis=1))

@@ -14,6 +14,16 @@ from jointwear.discovery.verdict import Retuned
 from jointwear.effects import get_effect
 
 
+def shared_friction(final: Final) -> list[str]:
+    """Say of which joints a drive that has its name on another joint is written too, with one coefficient on both."""
+    return [
+        f"joint {c.source + 1} turns the drive too that has its name on joint {c.axis + 1}: the robot file has its "
+        f"friction on both, with one coefficient, which needs no other friction of joint {c.source + 1}"
+        for c in (e.named.candidate for e in final.estimates)
+        if c.both
+    ]
+
+
 def undecided_friction(final: Final, retuned: Iterable[Retuned]) -> list[str]:
     """Say of which joints corrected Coulomb friction may be that of a drive that has its name on another joint.
 
@@ -28,7 +38,7 @@ def undecided_friction(final: Final, retuned: Iterable[Retuned]) -> list[str]:
     corrected = {one.axis - 1 for one in retuned if one.parameter.startswith("coulomb")}
     drives = [(e.named.candidate, e.parameters) for e in (*final.estimates, *final.unwritten)]
     drives = [(c, p) for c, p in drives if c.effect != LINK_MASS and get_effect(c.effect).rubs]
-    known = {(c.axis, c.source) for c, _ in drives}
+    known = {(half.axis, half.source) for c, _ in drives for half in c.halves}
     return [
         f"joint {c.source + 1} turns the drive too that has its name on joint {c.axis + 1}, and its friction acts on "
         f"both: in training the drive changes direction only where joint {c.source + 1} does, whose corrected Coulomb "

@@ -124,7 +124,7 @@ def _as_given(final: Final, kind: str, bad: dict[int, float], alone: bool = Fals
         before = before if kind == "augmented" else (final.retuned_friction, final.retuned_inertial)
         friction, inertial = before[0].copy(), before[1]
         friction[list(bad)] = drives[list(bad)]
-        lost = tuple(e for e in lost if e.named.candidate.axis in bad)
+        lost = tuple(e for e in lost if not bad.keys().isdisjoint(e.named.candidate.axes))
     doubtful, suspects = _suspected(final.outcome, [e for e in lost if e.named.candidate.axis in (None, *bad)])
     named = [e for e in lost if not any(e is x for x in doubtful)]
     words = OWN if alone else "everything as given"
@@ -157,7 +157,7 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
     A column of rates of change carries the noise of derived accelerations: it may be there, and its torque useless.
     """
     bad = _worse(problem, torques["augmented"])
-    left_out = tuple(e for e in final.estimates if e.named.candidate.axis in bad)
+    left_out = tuple(e for e in final.estimates if not bad.keys().isdisjoint(e.named.candidate.axes))
     if not left_out:
         return final, files, torques
     trial = replace(final, estimates=tuple(e for e in final.estimates if not any(e is x for x in left_out)))
@@ -170,7 +170,8 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
         PutBack("augmented", axis + 1, float(f"{bad[axis]:.4g}"), form.format(e.named.candidate.effect))
         for effects, form in ((named, "{} named but not written"), (doubtful, f"{WITHOUT} {{}}"))
         for e in effects
-        if (axis := e.named.candidate.axis) is not None
+        for axis in e.named.candidate.axes
+        if axis in bad
     )
     trial = replace(
         trial,

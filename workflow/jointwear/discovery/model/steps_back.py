@@ -40,20 +40,29 @@ def steps_of(
                 steps[axis].append(Step(words, (one.term,), of_drive=alone))
         for effect, others in zip(model.effects, plainer, strict=True):
             candidate, bend = effect.candidate, () if effect.bend is None else effect.bend[1:]
-            if candidate.axis in (axis, None):
+            if candidate.axis is None or axis in candidate.axes:
                 whole = (effect.term, *bend)
                 if bend:
                     # A bend follows what noise and structure do where the effect itself is nothing.
                     steps[axis].append(Step(f"{PLAIN} {candidate.effect}", bend))
-                for _, plain in others:
-                    steps[axis].append(Step(f"{PLAIN} {candidate.effect}", whole, instead=(plain,)))
+                for other, plain in others:
+                    words = f"{PLAIN} {candidate.effect}"
+                    if candidate.both:
+                        words = f"{candidate.effect} on joint {other.axis + 1} alone"
+                    steps[axis].append(Step(words, whole, instead=(plain,)))
                     whole = (*whole, plain)
                 steps[axis].append(Step(f"{WITHOUT} {candidate.effect}", whole))
     return steps
 
 
 def plainer_forms(white: White, candidate: Candidate, term: Term) -> list[tuple[Candidate, Term]]:
-    """Return an effect in its plain forms, the one that says most first, which could stand in the place of its own."""
+    """Return an effect in its plain forms, the one that says most first, which could stand in the place of its own.
+
+    That of a drive that two joints turn is its half on the joint that it is named on.
+    """
+    if candidate.both:
+        half = candidate.halves[0]
+        return [(half, effect_term(white, half, term))]
     if candidate.axis is None or not free_parameters(candidate):
         return []
     plain = get_effect(candidate.effect).plain(white.problem.train_state, candidate.axis)

@@ -52,7 +52,8 @@ def _kept(final: Final, model: str, axis: int, steps: list[PutBack]) -> str:
     augmented = model == "augmented"
     drive = (final.delta_friction if augmented else final.retuned_friction)[axis]
     links = final.delta_inertial if augmented else final.retuned_inertial
-    effects = [e.named.candidate.effect for e in final.estimates if e.named.candidate.axis in (axis, None)]
+    found = (e.named.candidate for e in final.estimates)
+    effects = [c.effect for c in found if c.axis is None or axis in c.axes]
     felt = ", but for what this joint feels" if any(s.held for s in steps) and np.any(links) else ""
     words = [
         f"friction and motor inertia {_as(drive, any(s.in_part for s in steps))}",

@@ -29,7 +29,8 @@ class Candidate:
     """One point of the search: an effect of the library, or the mass of one link (``effect == LINK_MASS``).
 
     `axis` and `source` are 0-based; axis is None for the whole arm and the link for a link mass. `wide`: the columns of
-    an elastic gear end as :meth:`White.state_of` says, not where its evidence is asked.
+    an elastic gear end as :meth:`White.state_of` says, not where its evidence is asked. `both`: a drive that two joints
+    turn, with one coefficient on either.
     """
 
     effect: str
@@ -37,6 +38,22 @@ class Candidate:
     source: int | None
     nonlinear: dict[str, Any] = field(default_factory=dict)
     wide: bool = False
+    both: bool = False
+
+    @property
+    def other_half(self) -> Candidate:
+        """What the other joint that turns a drive feels of it: by virtual work its friction acts on both."""
+        return replace(self, axis=self.source, source=self.axis, both=False)
+
+    @property
+    def halves(self) -> tuple[Candidate, ...]:
+        """The candidate on each axis that it is an effect of, the one that it is named on first."""
+        return (replace(self, both=False), self.other_half) if self.both else (self,)
+
+    @property
+    def axes(self) -> tuple[int | None, ...]:
+        """The axes that the candidate is an effect of, None for the whole arm."""
+        return tuple(half.axis for half in self.halves)
 
     @property
     def key(self) -> tuple:
@@ -170,6 +187,8 @@ def wider(white: White, candidate: Candidate) -> Candidate | None:
 
 def raw_torques(white: White, candidate: Candidate) -> dict[int, np.ndarray]:
     """Return the columns (N_train, k) before whitening, on every axis that it acts on, of a candidate on one axis."""
+    if candidate.both:
+        return {half.axis: raw_columns(white, half) for half in candidate.halves}
     if not on_all_axes(candidate):
         return {candidate.axis: raw_columns(white, candidate)}
     problem, effect = white.problem, get_effect(candidate.effect)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from jointwear.discovery.estimates.effect_estimates import links_error
-from jointwear.discovery.estimates.forms import companion, form_of
+from jointwear.discovery.estimates.forms import form_term
 from jointwear.discovery.estimates.outcome import Named, Outcome, Refusal
 from jointwear.discovery.estimates.refine import evidence_at, free_parameters, refine
 from jointwear.discovery.estimates.scan import Scored, contenders, scan
@@ -18,7 +18,6 @@ from jointwear.discovery.problem.candidates import (
     LINK_MASS,
     Candidate,
     Dictionary,
-    fitted_torque,
     raw_blocks,
     term_of,
     wider,
@@ -34,6 +33,7 @@ from jointwear.discovery.search.acceptance import (
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.forms_beyond import of_another_form
 from jointwear.discovery.search.leftovers import unexplained
+from jointwear.discovery.search.other_half import with_other_halves
 from jointwear.discovery.search.posterior import weigh
 from jointwear.discovery.search.standing_alone import stand_alone
 from jointwear.discovery.search.tolerance import with_tolerances
@@ -63,12 +63,12 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
 
     Steps: forward search by evidence, near ties re-ranked with the tolerance of their form; each acceptance must also
     pass the gates of :mod:`.acceptance`, and what was refused before it is asked again beside it;
-    elimination and exchange; then the tests for structure that is left.
+    elimination and exchange; the other halves of shared drives; then the tests for structure that is left.
     """
     problem = white.problem
     outcome = Outcome(problem, white, white.fit(), dictionary)
     outcome.not_tried = {(effect, axis): reason for effect, axis, reason in dictionary.not_tried}
-    outcome.named = _searched(outcome)
+    outcome.named = with_other_halves(white, _searched(outcome))
     settle(outcome)
     _believe_no_bent_links(outcome)
     _believe_no_unknown_loads(outcome)
@@ -284,14 +284,6 @@ def _full_axes(named: list[Named], most: int) -> set:
     return {a for a in axes if axes.count(a) >= most}
 
 
-def _form_of(white: White, fit: Fit, scored: Scored) -> Term | None:
-    form = form_of(white, scored.candidate)
-    if form is None:
-        return None
-    torque = fitted_torque(white, fit, scored.candidate, scored.blocks, scored.std)
-    return companion(white, form, float(np.sqrt(np.mean(torque**2))))
-
-
 def _off_grid(white: White, fit: Fit, scored: Scored) -> Scored:
     """Return a family at the largest evidence near its best point.
 
@@ -309,7 +301,7 @@ def _off_grid(white: White, fit: Fit, scored: Scored) -> Scored:
 def _with_form(white: White, fit: Fit, scored: Scored) -> float:
     """Return the evidence of a candidate off the grid when its form may bend, half the prior weight on either."""
     scored = _off_grid(white, fit, scored)
-    form = _form_of(white, fit, scored)
+    form = form_term(white, fit, scored.candidate, scored.blocks, scored.std)
     if form is None:
         return scored.evidence
     axis = scored.candidate.axis
@@ -331,7 +323,8 @@ def _named(white: White, fit: Fit, scored: Scored) -> Named:
         misfit = ""
         label = f"{scored.candidate.effect} {scored.candidate.axis}"
         term = Term(label, scored.blocks, scored.std, raw_blocks(white, scored.candidate), effect=True)
-    return Named(scored.candidate, term, _form_of(white, fit, scored), scored.evidence, misfit=misfit)
+    form = form_term(white, fit, scored.candidate, scored.blocks, scored.std)
+    return Named(scored.candidate, term, form, scored.evidence, misfit=misfit)
 
 
 def _stuck(start: Candidate, end: Candidate) -> str:

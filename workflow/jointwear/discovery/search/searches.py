@@ -62,7 +62,8 @@ def explains_shaking(outcome: Outcome) -> bool:
 
 
 def _shared_drives(named: list[Named], weak: float) -> list[set[int]]:
-    """Return the pairs of 0-based axes each of which names the other as turning one drive with it.
+    """Return the pairs of 0-based axes each of which names the other as turning one drive with it, or that have one
+    name.
 
     Parameters
     ----------
@@ -73,7 +74,8 @@ def _shared_drives(named: list[Named], weak: float) -> list[set[int]]:
         candidate, axis, source = one.candidate, one.candidate.axis, one.candidate.source
         if axis is None or source is None or one.evidence <= weak or not candidate.nonlinear.get("own"):
             continue
-        sums[axis, source] = np.sign(candidate.nonlinear["own"] * candidate.nonlinear["other"])
+        for half in candidate.halves:
+            sums[half.axis, half.source] = np.sign(half.nonlinear["own"] * half.nonlinear["other"])
     return [{axis, source} for (axis, source), sign in sums.items() if sums.get((source, axis)) == sign]
 
 
