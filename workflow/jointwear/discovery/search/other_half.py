@@ -99,6 +99,6 @@ def _likeliest(white: White, terms: list[Term]) -> Fit:
 
 
 def _corrected(fit: Fit, axis: int) -> float:
-    """Return the squares [(N m)^2] of what a fit corrects of the Coulomb friction of an axis, summed over its senses."""
+    """Return the squares [(N m)^2] of what a fit corrects of the Coulomb friction of an axis, of both its senses."""
     places = [w for t, w in zip(fit.terms, fit.slices, strict=True) if t.drive in ((axis, 0), (axis, 1))]
     return float(sum(np.sum(fit.theta[w] ** 2) for w in places))
