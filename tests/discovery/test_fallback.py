@@ -10,6 +10,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.model.fallback import DRIVE, EVERYTHING, HALVINGS, HELD, OF_LINKS, PutBack, Step, best_step
 from jointwear.discovery.model.steps_back import given_up_of_effects
 from jointwear.discovery.model.told_fallbacks import told_fallbacks
+from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.verdict import Gap
 
@@ -106,7 +107,7 @@ def test_an_axis_without_anything_to_give_up_is_left():
 
 def test_steps_of_one_model_and_axis_are_one_entry_in_their_order_with_what_is_kept():
     zeros, fitted = np.zeros((3, 4)), np.array([[0.1, 0.0, 0.0, 0.0], [0.0] * 4, [0.0] * 4])
-    spring = SimpleNamespace(named=SimpleNamespace(candidate=SimpleNamespace(axis=0, effect="joint_spring")))
+    spring = SimpleNamespace(named=SimpleNamespace(candidate=Candidate("joint_spring", 0, None)))
     final = SimpleNamespace(
         fallbacks=(
             PutBack("retuned", 1, 1.3, "any words", held=True),
