@@ -4,7 +4,7 @@ from __future__ import annotations
 
 #: First robot-month of the reported figures, how many there are, and how many share a job. The months before the first
 #: have been reported on, with judgements before this one: they say nothing new of it.
-FIRST, REPORTED, TOGETHER = 7500, 200, 20
+FIRST, REPORTED, TOGETHER = 7700, 200, 20
 #: Stated rates [false alarms per 1,000 h].
 RATES = (0.3, 1.0, 3.0)
 
