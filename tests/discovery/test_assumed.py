@@ -27,7 +27,8 @@ OTHERS = {
         bursts.LOUDEST rocking.FREQUENCIES rocking.DAMPINGS rocking.DULL
         building_up.EXPONENTS building_up.STRIBECK building_up.CLOSE building_up.LEFT building_up.KNOTS
         building_up.PARTS
-        instruments.LOWER curvature.STEP windings.STEP windings.ROUNDING effect_estimates.STEP effect_estimates.MORE_LOAD
+        instruments.LOWER curvature.STEP windings.STEP windings.ROUNDING effect_estimates.STEP
+        effect_estimates.MORE_LOAD
     """,
     "what a filter does": """
         reversals.RINGS
