@@ -5,12 +5,39 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
+from jointwear.discovery.search import decide
 from jointwear.discovery.search.standing_alone import stand_alone
 
 AXIS = 1
+
+
+def late(white, delay, kind="motor"):
+    """Return the outcome of data in which the torque of one joint is late, with that as its name."""
+    candidate = Candidate("actuation_delay", AXIS, None, {"delay": delay, "lag": 0})
+    columns = raw_columns(white, candidate)
+    term = Term("early", {AXIS: white.columns(AXIS, columns)}, np.ones(1), {AXIS: white.raw(AXIS, columns)})
+    discrepancy = white.problem.discrepancy.copy()
+    discrepancy[white.problem.train, AXIS] += columns[:, 0]
+    targets = [y + white.columns(a, columns[:, 0]) * (a == AXIS) for a, y in enumerate(white.targets)]
+    problem = replace(white.problem, discrepancy=discrepancy, state=replace(white.problem.state, torque_kind=kind))
+    asked = replace(white, problem=problem, targets=targets)
+    return Outcome(problem, asked, asked.fit([term]), None, named=[Named(candidate, term, None, 99.0)])
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.5, False), (-0.5, False), (2.0, True)])
+def test_a_delay_within_what_the_time_of_a_torque_is_known_to_is_no_name(white, share, stands, monkeypatch):
+    """A torque logged a quarter of a millisecond early on all joints, at 125 Hz, was the delay of one of them."""
+    settled = []
+    monkeypatch.setattr(decide, "settle", settled.append)
+    outcome = late(white, share * assumed.CLOCK / white.problem.measured.logged_rate)
+    decide._believe_no_delay_within_the_clock(outcome)
+    assert bool(outcome.named) == stands
+    assert len(settled) == len(outcome.refusals) == (not stands)
+    assert all(r.reached < r.needed for r in outcome.refusals)
 
 
 @pytest.mark.parametrize("open_axis", [AXIS, AXIS + 1])
@@ -19,17 +46,9 @@ AXIS = 1
 )
 def test_a_motor_torque_that_is_early_has_no_name_beside_structure(white, delay, kind, stands, open_axis):
     """A bad tooth, once in a turn of the motor, was named a torque that is 12 ms early."""
-    early = Candidate("actuation_delay", AXIS, None, {"delay": delay, "lag": 0})
-    columns = raw_columns(white, early)
-    term = Term("early", {AXIS: white.columns(AXIS, columns)}, np.ones(1), {AXIS: white.raw(AXIS, columns)})
-    discrepancy = white.problem.discrepancy.copy()
-    discrepancy[white.problem.train, AXIS] += columns[:, 0]
-    targets = [y + white.columns(a, columns[:, 0]) * (a == AXIS) for a, y in enumerate(white.targets)]
-    problem = replace(white.problem, discrepancy=discrepancy, state=replace(white.problem.state, torque_kind=kind))
-    asked = replace(white, problem=problem, targets=targets)
-    one = Named(early, term, None, 99.0)
+    outcome = late(white, delay, kind)
     left = [Unexplained(open_axis, "motor angle", "rad", 0.0, 6.3, 1e-12, 50.0)]
-    outcome = Outcome(problem, asked, asked.fit([term]), None, named=[one], unexplained=left)
+    outcome.unexplained = left
     stand_alone(outcome)
     assert bool(outcome.named) == (stands or open_axis != AXIS)
     assert not outcome.suspects or "early" in outcome.suspects[0][1]

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from jointwear.discovery import assumed
 from jointwear.discovery.estimates.effect_estimates import links_error
 from jointwear.discovery.estimates.forms import form_term
 from jointwear.discovery.estimates.outcome import Named, Outcome, Refusal
@@ -27,10 +28,12 @@ from jointwear.discovery.search.acceptance import (
     bound_missed,
     nats_without_witnesses,
     of_drive,
+    of_late_torque,
     predictive,
     refusals,
 )
 from jointwear.discovery.search.crossval import CrossValidated
+from jointwear.discovery.search.early_torque import delay_of
 from jointwear.discovery.search.forms_beyond import of_another_form
 from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.search.other_half import with_other_halves
@@ -72,6 +75,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     settle(outcome)
     _believe_no_bent_links(outcome)
     _believe_no_unknown_loads(outcome)
+    _believe_no_delay_within_the_clock(outcome)
     _believe_no_form_beyond_its_bounds(outcome)
     before = {n.candidate.key for n in outcome.named}
     weighed = [_weighed(outcome, n) for n in outcome.named]
@@ -123,6 +127,22 @@ def _believe_no_unknown_loads(outcome: Outcome) -> None:
         share = links_error(outcome.white, outcome.fit, one.candidate) if of_drive(one.candidate) else 0.0
         if share * least > 1.0:
             refused.append(Refusal(one.candidate, one.evidence, gate, 1.0 / share, least))
+    _take_back(outcome, refused)
+
+
+def _believe_no_delay_within_the_clock(outcome: Outcome) -> None:
+    """Take the names back of delays that are shorter than the time of a torque is known to.
+
+    A controller whose torque is logged a part of its own period beside the position does that on all joints; where the
+    model of the others is too coarse to say so, one joint alone would get the name.
+    """
+    gate = "delay over what the time of a torque is known to"
+    refused = []
+    for one in outcome.named:
+        if of_late_torque(one.candidate):
+            delay = abs(delay_of(outcome, one)) * outcome.problem.measured.logged_rate / assumed.CLOCK
+            if delay < 1.0:
+                refused.append(Refusal(one.candidate, one.evidence, gate, delay, 1.0))
     _take_back(outcome, refused)
 
 

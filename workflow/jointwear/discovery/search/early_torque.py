@@ -22,6 +22,10 @@ def early(outcome: Outcome, one: Named) -> bool:
     """
     if not of_late_torque(one.candidate) or outcome.problem.state.torque_kind == "command":
         return False
+    return delay_of(outcome, one) < 0
+
+
+def delay_of(outcome: Outcome, one: Named) -> float:
+    """Return the dead time or lag [s] of a name that is the torque at another time, negative where it is early."""
     effect = get_effect(one.candidate.effect)
-    found = effect.parameters_of(one.candidate.nonlinear, outcome.fit.coefficients(one.term))
-    return found[effect.scaled] < 0
+    return float(effect.parameters_of(one.candidate.nonlinear, outcome.fit.coefficients(one.term))[effect.scaled])
