@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from monitor_states import changed, with_estimates
 
+from jointwear.measurement.flags import FLAG_WORDS, Flag
 from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.presentation.condition import axis_conditions
-from jointwear.monitor.presentation.page import write_page
+from jointwear.monitor.presentation.page import _flag_rows, write_page
 from jointwear.monitor.presentation.standing import standing
 from jointwear.monitor.presentation.summaries import UNKNOWN, axis_summary, headline, why_unjudged
 from jointwear.monitor.presentation.temperature import temperature_share
@@ -154,3 +155,15 @@ def test_a_page_in_local_time_says_that_logs_without_a_zone_are_read_as_utc(moni
     write_page(state, tmp_path / "page.html", tmp_path / "figures", pages)
     words = "Times in the logs that name no zone count as UTC"
     assert (words in (tmp_path / "page.html").read_text(encoding="utf-8")) == told
+
+
+def test_what_keeps_no_window_from_being_judged_says_so(monitored):
+    """Another part on half of all days stood without a word in the table of what cannot be judged."""
+    state = read_state(monitored[0] / "state.nc")
+    flags = np.full_like(state.flags, int(Flag.UNEXPLAINED))
+    flags[0] |= int(Flag.TORQUE_FROZEN)
+    words = {row["words"] for row in _flag_rows(replace(state, flags=flags))}
+    assert words == {
+        f"{FLAG_WORDS[Flag.UNEXPLAINED]} (keeps no window from being judged)",
+        FLAG_WORDS[Flag.TORQUE_FROZEN],
+    }

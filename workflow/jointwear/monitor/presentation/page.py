@@ -11,7 +11,7 @@ import numpy as np
 
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import count, name_axes
-from jointwear.measurement.flags import FLAG_WORDS, Flag
+from jointwear.measurement.flags import FLAG_WORDS, HARMLESS, Flag
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.judging.early_events import EARLY_EVENT
 from jointwear.monitor.judging.state import RobotState
@@ -179,8 +179,9 @@ def _draw(
 def _flag_rows(state: RobotState) -> list[dict[str, Any]]:
     """Return the flags that some window carries: words, and in how many windows of each axis."""
     found = told_flags(state)
-    rows = [{"words": FLAG_WORDS[f], "windows": (found & int(f) != 0).sum(axis=0).tolist()} for f in Flag]
-    return [row for row in rows if any(row["windows"])]
+    windows = {f: (found & int(f) != 0).sum(axis=0).tolist() for f in Flag}
+    judged = {f: " (keeps no window from being judged)" if f in HARMLESS else "" for f in Flag}
+    return [{"words": f"{FLAG_WORDS[f]}{judged[f]}", "windows": windows[f]} for f in Flag if any(windows[f])]
 
 
 def write_page(
