@@ -19,8 +19,8 @@ OTHERS = {
         spectra.LONGEST
         spectra.SHORTEST spectra.SPAN spectra.SURROUNDINGS structure.KNOTS structure.KNOTS_OF_OTHERS
         structure.FEWEST_KNOTS structure.TIME_BIN structure.FRICTION_BIN structure.ORDERS residual_lines.FASTEST_CHIRP
-        residual_lines.SLOW_SWEEP residual_lines.WIDEST_SWEEP residual_lines.COARSER encoder_step.NEAREST
-        encoder_step.WIDER in_its_place.SIZES effect_estimates.PERIODS
+        residual_lines.SLOW_SWEEP residual_lines.WIDEST_SWEEP residual_lines.COARSER
+        in_its_place.SIZES effect_estimates.PERIODS
         gear_waves.CELLS gear_waves.SAMPLES gear_waves.NEARER gear_waves.FEWEST_WAVES gear_waves.STEPS noise.POINTS
         noise_spectrum.DAMPED references.BEYOND references.STARTS references.PARTS references.SHORTER refine.FIRST_STEP
         refine.SHORTER
@@ -43,15 +43,15 @@ OTHERS = {
         curvature.GAINED
     """,
     "the fewest samples of a statistic": """
-        encoder_step.FEWEST_POSITIONS instruments.SHORT noise_spectrum.FEWEST_ROWS
+        instruments.SHORT noise_spectrum.FEWEST_ROWS
         noise.ORDER_BESIDE_GAPS noise.LEFT_BY_ORDER slow_noise.FEW_SAMPLES
         noise_spectrum.FEWEST_OF_RECORD setting_up.FEWEST_SAMPLES regimes.LEAST_SAMPLES saturated.FEWEST_EACH
         shared_drives.FEWEST_STUCK shared_drives.FEWEST_EACH building_up.FEWEST_EACH spectra.FEWEST_PIECES
         noise.FEWEST_OF_MODEL noise.FEWEST_EACH residual_lines.FEWEST_OF_RECORD bursts.FEWEST_CHANGES
     """,
     "rounding, of numbers and of their digits in a log": """
-        base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND encoder_step.NEARLY_ALL
-        encoder_step.CLOSE encoder_step.FLOATS encoder_step.FINEST fast_waves.LEAST instruments.RIDGE peak_torque.STILL
+        base.NOTHING base_parameters.SMALLEST candidates.STILL effect_estimates.ON_BOUND
+        fast_waves.LEAST instruments.RIDGE peak_torque.STILL
         building_up.LEAST problem.ABSENT saturated.LEAST_NOISE shared_drives.RIDGE ridge_fit.RIDGE ridge_fit.FEW_DIGITS
         noise.SETTLE sound_links.ENOUGH sound_links.NOTHING structure.STILL
         base.BELOW base.STILL_BELOW references.FINEST references.DIGITS curvature.LEAST_SPREAD

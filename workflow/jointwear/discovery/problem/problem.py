@@ -10,7 +10,6 @@ import numpy as np
 
 from jointwear.discovery import assumed
 from jointwear.discovery.linear import least_squares, posterior_mean
-from jointwear.discovery.noise.encoder_step import encoder_step
 from jointwear.discovery.noise.gear_waves import gear_orders
 from jointwear.discovery.noise.motion_in_torque import motion_ends, noise_in_torque
 from jointwear.discovery.noise.noise import order_in_runs
@@ -23,6 +22,7 @@ from jointwear.discovery.problem.folds import blocks_of, folds_of
 from jointwear.discovery.settings import Settings
 from jointwear.discovery.structure import axis_bases
 from jointwear.effects import State
+from jointwear.measurement.derived.encoder_step import encoder_step
 from jointwear.measurement.derived.filtering import zero_phase_gain
 from jointwear.measurement.derived.motion import Measured
 from jointwear.robots.dynamics import Dynamics

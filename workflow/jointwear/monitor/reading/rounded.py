@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jointwear.discovery.noise.encoder_step import encoder_step
+from jointwear.measurement.derived.encoder_step import encoder_step
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.reading.scattered_stamps import marked_since
 from jointwear.monitor.reading.windows import WindowStatistics

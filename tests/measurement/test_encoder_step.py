@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from monitor_logs import make_log
 
-from jointwear.discovery.noise.encoder_step import encoder_step
 from jointwear.discovery.preflight import check_data
+from jointwear.measurement.derived.encoder_step import encoder_step
 from jointwear.measurement.recording_files import load_recording
 from jointwear.robots.robot import load_robot
 
