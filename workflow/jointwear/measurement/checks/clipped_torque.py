@@ -51,8 +51,9 @@ def at_zero(torque: np.ndarray, position: np.ndarray, label: np.ndarray) -> np.n
     """Return where torques (m, n) stay at exactly zero in motion, as no drive does: they were not measured there, (m,
     n) bool; parameters as of :func:`at_limit`."""
     there = torque == 0.0
-    for j, (values, places) in enumerate(zip(torque.T, position.T, strict=True)):
-        there[:, j] &= 0.0 in _lasting(np.ascontiguousarray(values), places, label)
+    # Hardly any log has such a torque.
+    for j in np.flatnonzero(there.any(axis=0)):
+        there[:, j] &= 0.0 in _lasting(np.ascontiguousarray(torque[:, j]), position[:, j], label)
     return there
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from jointwear.measurement.checks.axes_check import explained
 from jointwear.measurement.checks.late_torque import DELAYS, REFUSED, read_later
 from jointwear.measurement.checks.torque_scale import thinned
-from jointwear.measurement.derived.even_steps import usual_step
+from jointwear.measurement.derived.even_steps import step_of
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
 from jointwear.robots.dynamics import Dynamics
@@ -26,6 +26,12 @@ STEPS = (0.1, 0.02, 0.005)
 LEAST = 1e-9
 
 
+def at_its_rate(measured: Measured) -> Measured:
+    """Return samples of a log with the usual rate [Hz] at which they follow each other, as they are where none do."""
+    step = step_of(measured.time, measured.trajectory)
+    return replace(measured, rate=1.0 / step) if 0 < step < np.inf else measured
+
+
 class OtherTime:
     """Reads the torques of a piece at other times.
 
@@ -35,8 +41,7 @@ class OtherTime:
     """
 
     def __init__(self, dynamics: Dynamics, measured: Measured) -> None:
-        step = usual_step(np.diff(measured.time)[np.diff(measured.trajectory) == 0])
-        self._measured = replace(measured, rate=1.0 / step if step > 0 else 1.0)
+        self._measured = at_its_rate(measured)
         self._samples = thinned(self._measured)
         self._dynamics = dynamics
         motion = self._samples.position, self._samples.velocity, self._samples.acceleration

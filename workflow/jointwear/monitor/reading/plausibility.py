@@ -6,7 +6,6 @@ It is checked as discovery checks a recording. Later logs are compared with it: 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from jointwear.measurement.checks.other_zero import check_axes_and_zero
 from jointwear.measurement.checks.silent_joints import check_torque_moves
 from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.checks.unsigned_torque import check_torque_has_sign
-from jointwear.measurement.derived.even_steps import usual_step
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.recording import Recording
@@ -32,6 +30,7 @@ from jointwear.monitor.reading.accumulate import moving
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misfit import Misfit, misfit_of
 from jointwear.monitor.reading.misreadings import check_readings
+from jointwear.monitor.reading.other_time import at_its_rate
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -73,7 +72,7 @@ def check_first(
     if np.isfinite(measured.torque).any(axis=0).all():
         check_torque_moves(measured, name)
         check_torque_has_sign(measured.torque, measured, robot, name)
-        check_delay(replace(measured, rate=_rate(measured)), robot, name)
+        check_delay(at_its_rate(measured), robot, name)
         check_readings(
             measured,
             robot,
@@ -92,12 +91,6 @@ def check_first(
             by_keys=True,
         )
     return [float(x) if np.isfinite(x) else None for x in left], misfit_of(measured, robot, left)
-
-
-def _rate(measured: Measured) -> float:
-    """Return the usual rate [Hz] of samples."""
-    step = usual_step(np.diff(measured.time)[np.diff(measured.trajectory) == 0])
-    return 1.0 / step if step > 0 else 1.0
 
 
 def busiest_piece(chunk: Chunk, stretch: np.ndarray, motion: Motion, dead_band: np.ndarray) -> Measured:

@@ -231,11 +231,8 @@ class Teller:
         """Return by how much a quantity of an axis had grown by window `k`, over its normal value, and the standard
         error: what pages tell as of now, then, by the shifts that alarmed. Where none of their windows in that day
         shows it, the mean of all of them."""
-        watched, shift, end = (
-            known.level if name == COULOMB else known.viscous,
-            self._shift[: k + 1],
-            self._s.end[: k + 1],
-        )
+        watched = known.level if name == COULOMB else known.viscous
+        shift, end = self._shift[: k + 1], self._s.end[: k + 1]
         judged = np.isfinite(watched.residual[:, j])
         alarmed = np.isin(shift, np.unique(shift[judged])[-max(int(watched.shifts[k, j]), 1) :])
         part = replace(watched, residual=np.where(alarmed[:, None], watched.residual, np.nan))
