@@ -30,7 +30,7 @@ from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks.checked import UNASKED
 from jointwear.measurement.checks.turned_signs import IN_DOUBT
-from jointwear.measurement.derived.even_steps import usual_step
+from jointwear.measurement.derived.even_steps import step_of
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import what_mends
@@ -140,7 +140,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         dataset=recording.name,
         refused="",
         suggestion="",
-        rate_hz=six_digits(_rate(recording)),
+        rate_hz=six_digits(1.0 / step_of(recording.time, recording.trajectory)),
         torque_kind=recording.torque_kind,
         encoder_side=recording.encoder_side,
         trajectories=tuple(_trajectories(whole)),
@@ -175,13 +175,8 @@ def _shown(problem: Problem) -> tuple[list[float | None], list[Shown], list[Show
     return told, shown, not_shown, pairs
 
 
-def _rate(recording: Recording) -> float:
-    inside = np.diff(recording.trajectory) == 0
-    return 1.0 / usual_step(np.diff(recording.time)[inside]) if inside.any() else np.nan
-
-
 def _trajectories(recording: Recording) -> list[Trajectory]:
-    step = 1.0 / _rate(recording)
+    step = step_of(recording.time, recording.trajectory)
     found = []
     for label in recording.labels:
         time = recording.time[recording.trajectory == label]
