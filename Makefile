@@ -90,7 +90,11 @@ reproduce: $(RUN)  ## Reproduce the paper: the whole workflow, then the path of 
 
 .PHONY: test
 test: $(TEST)  ## Run the tests (under 10 minutes)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder -m "not (browser or publish or slurm or docs or real or hostile or plants)"
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder -m "not (long or browser or publish or slurm or docs or real or hostile or plants)"
+
+.PHONY: test-long
+test-long: $(TEST)  ## Run the tests that take seconds each: whole histories, whole searches, killed runs
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder -m long
 
 .PHONY: test-real
 test-real: $(PLANTS)  ## Test on logs of real robots (JOINTWEAR_DATA, or snakemake fetch_data)

@@ -46,6 +46,7 @@ def test_a_body_of_half_the_last_link_is_one_where_all_other_links_are_as_known_
     assert gates(bare, of_body(bare[0], 0.05)) == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_a_table_of_links_that_are_off_is_no_body(bare, seed):
     problem = bare[0]
@@ -57,6 +58,7 @@ def test_nothing_is_no_body(bare):
     assert OVER_LINKS in gates(bare, np.zeros_like(bare[0].discrepancy[bare[0].train]))
 
 
+@pytest.mark.long
 def test_a_last_link_whose_centre_is_off_is_no_body(bare):
     """A payload without a mass is none: with one, or off by more than the link is long, it is."""
     problem = bare[0]
@@ -78,6 +80,7 @@ def test_what_no_body_does_is_no_body(bare):
     assert "nats that no body that may exist would have" in gates(bare, torque)
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 999))
 def test_the_nearest_body_is_one(seed):

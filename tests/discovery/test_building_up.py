@@ -122,6 +122,7 @@ def test_too_few_samples_say_nothing():
     assert built_up_friction(*few, *LIMITS) == [None, None]
 
 
+@pytest.mark.long
 def test_an_arm_whose_friction_is_rounded_lacks_nothing():
     robot = load_robot("config/robots/puma560.yaml")
 

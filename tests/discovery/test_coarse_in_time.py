@@ -53,6 +53,7 @@ def test_of_few_samples_in_short_runs_no_order_tells_noise_from_motion():
     assert order_in_runs(*runs_of(50, 2)) == HIGHEST_ORDER
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("every", [8, 10, 12])
 def test_what_the_model_lacks_is_no_noise_of_a_log_of_ten_samples_a_second(every):
     recording, robot = recorded(every)

@@ -71,6 +71,7 @@ def test_a_held_out_record_that_is_another_robots_is_not_nothing(contradicted, n
     assert not any("disagree with the model" in r for r in nothing.data["restrictions"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("axis", "word"), [(2, "unknown"), (1, "effects"), (None, "unknown")])
 def test_a_suspect_on_a_joint_above_the_noise_leaves_it_unknown(robot, axis, word):
     """What it stood for is there, and has no name; on a joint that noise explains there is nothing."""
@@ -89,6 +90,7 @@ def test_a_suspect_on_a_joint_above_the_noise_leaves_it_unknown(robot, axis, wor
     assert len(told) == (word == "unknown")
 
 
+@pytest.mark.long
 def test_one_wrong_parameter_is_retuned(robot):
     recording = make_case(robot, 2)
     viscous = robot.viscous * np.array([1, 1, 1.3, 1, 1, 1])
@@ -124,6 +126,7 @@ def test_a_hidden_effect_is_named_and_added(robot, effect, axis, torque):
     assert 0 < entry["peak_torque"]["low"] <= entry["peak_torque"]["value"] <= entry["peak_torque"]["high"]
 
 
+@pytest.mark.long
 def test_a_product_of_positions_is_unknown(robot):
     recording = make_case(robot, 30, lambda q, v, a, t, s, tau: only(1, 4 * (q[:, 1] - 1.5) * q[:, 4]))
     verdict = discover(recording, robot)
@@ -132,6 +135,7 @@ def test_a_product_of_positions_is_unknown(robot):
     assert not verdict.effects
 
 
+@pytest.mark.long
 def test_test_motion_takes_no_part(robot):
     hidden = make_case(
         robot, 12, lambda q, v, a, t, s, tau: only(1, 3 * np.exp(-np.abs(v[:, 1]) / 0.1) * np.sign(v[:, 1]))
@@ -142,6 +146,7 @@ def test_test_motion_takes_no_part(robot):
     assert first.data["gap"]["augmented"] != second.data["gap"]["augmented"]
 
 
+@pytest.mark.long
 def test_augmented_robot_file_gives_the_torque_of_the_verdict(robot):
     from jointwear.discovery.model.written_robot import simulate_robot
     from jointwear.measurement.derived.motion import measure
@@ -190,6 +195,7 @@ def swapped(recording, order):
     return replace(recording, position=recording.position[:, order], torque=recording.torque[:, order])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -221,6 +227,7 @@ def test_angles_of_the_motors_are_no_degrees_alone(robot):
     assert "gear_ratio" not in caught.value.suggestion
 
 
+@pytest.mark.long
 def test_weak_recordings_state_their_restrictions(robot):
     recording = make_case(robot, 3)
     torque = recording.torque.copy()

@@ -1,12 +1,14 @@
 """A wave of friction with flat crests: its order is no better known than the form of its crests."""
 
 import numpy as np
+import pytest
 
 from jointwear.discovery import Recording, discover
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
 
+@pytest.mark.long
 def test_the_order_of_a_wave_with_flat_crests_is_not_known_to_a_hundredth():
     robot = load_robot("config/robots/puma560.yaml")
     rng, time, parts = np.random.default_rng(2), np.arange(0, 8.0, 0.01), []

@@ -167,6 +167,7 @@ def test_a_coarse_encoder_is_no_timing(robot):
     assert found.verdict in ("none", "retuned")
 
 
+@pytest.mark.long
 def test_a_late_torque_is_found_through_a_coarse_encoder(robot):
     found = discover(coarse(robot, seed=6, late=0.02), robot)
     named = {(e["effect"], e["axis"]) for e in found.effects}
@@ -229,6 +230,7 @@ def test_a_sensor_behind_the_gear_does_not_retune_a_motor_that_the_file_lacks(ro
     assert np.all(kept > 1e-3 * stds["motor"])
 
 
+@pytest.mark.long
 def test_motor_inertia_of_the_file_is_no_part_of_what_a_link_sensor_feels(robot):
     recording = replace(make_case(robot.without_motor_inertia(), 26), torque_kind="link_sensor")
     found = discover(recording, robot)

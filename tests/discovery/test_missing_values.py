@@ -37,6 +37,7 @@ def with_holes(recording, role, joint):
     return replace(recording, **{role: values})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("role", ["position", "velocity"])
 def test_long_holes_in_the_motion_of_one_joint_hide_nothing_and_feign_nothing(healthy, derived, robot, role):
     log = with_holes(healthy if role == "position" else replace(derived, acceleration=None), role, 1)
@@ -88,6 +89,7 @@ def test_a_trajectory_that_comes_back_is_refused_with_its_sample(healthy, robot)
     assert "leave out rows that come twice" in refused.value.suggestion
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("given", [True, False])
 def test_a_simulated_log_without_noise_is_judged(derived, robot, given):
     torque = Dynamics(robot).inverse_dynamics(derived.position, derived.velocity, derived.acceleration)
@@ -106,6 +108,7 @@ def test_a_joint_without_a_recorded_torque_is_not_said_to_be_at_a_limit(healthy,
     assert not any("at its limit" in words for words in told)
 
 
+@pytest.mark.long
 def test_a_payload_is_named_while_the_first_joint_rests(robot):
     content = read_robot_file("config/robots/puma560.yaml")
     loaded = robot_from_data({**content, "payload": {"mass": 2.5, "com": [0.02, 0.0, 0.1]}})
@@ -121,6 +124,7 @@ def test_a_payload_is_named_while_the_first_joint_rests(robot):
     assert payload["regime"]["range"][1] > payload["regime"]["range"][0]
 
 
+@pytest.mark.long
 def test_what_could_not_be_asked_is_not_said_to_have_passed(healthy, robot, monkeypatch):
     assert any("no other sign" in words for words in check_data(healthy, robot).passed)
     monkeypatch.setattr(checked, "check_axes_and_zero", lambda *_: False)

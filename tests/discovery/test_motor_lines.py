@@ -90,6 +90,7 @@ def test_fast_cogging_under_a_stiff_controller_has_its_name(robot):
     assert found.effects[0]["parameters"]["amplitude"]["value"] == pytest.approx(0.3, rel=0.05)
 
 
+@pytest.mark.long
 def test_a_wave_of_a_gear_has_its_order_and_its_name(robot):
     """Forty waves in a turn of the joint are 0.7 in one of the motor; whole orders are tried anyway."""
     of_gear, of_motor = (make_case(robot, 5, cogging(robot, 0.3, order)) for order in (0.7, 2))

@@ -42,6 +42,7 @@ def test_a_wave_that_has_a_name_is_no_noise(found):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("excess", [0.0, 0.4])
 def test_the_noise_of_derived_accelerations_is_noise(excess):
     """Of an exact model of which encoders tell the motion 30 of 46 pages of a bench said that more than noise is left;

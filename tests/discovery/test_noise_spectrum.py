@@ -65,6 +65,7 @@ def test_what_a_fit_took_off_slow_noise_is_put_back(lag, factor):
     assert np.all(np.abs(np.log(mended.density(slow, RATE) / wanted)) < np.log(factor))
 
 
+@pytest.mark.long
 def test_structure_that_is_a_thousandth_of_the_torque_is_no_finding():
     """A wave over position, surely there in a log without noise to speak of: 0.03 % of the torque, then 3 %."""
     robot = load_robot("config/robots/puma560.yaml")

@@ -100,6 +100,7 @@ def stribeck(q, v, *_):
     return full
 
 
+@pytest.mark.long
 def test_a_curve_of_three_parameters_lies_within_what_is_told_of_each(robot):
     """At the end of a search of one after the other, and with what is known of one while the others are held, the speed
     of the first was 3.1 standard deviations off."""

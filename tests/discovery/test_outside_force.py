@@ -50,6 +50,7 @@ def test_a_tilted_base_is_no_force(bare):
     assert force_beside(white, named) is None
 
 
+@pytest.mark.long
 def test_a_rope_that_turns_with_the_pose_is_no_tilt(bare):
     """It looks more like a tilted base than like a force that stays the same, but beside the tilt the force shows."""
     problem = bare[0]

@@ -110,6 +110,7 @@ def test_the_page_has_one_row_an_effect_and_one_column_a_joint(case, robot, tmp_
     assert f"This motion shows {len(rows)} effects of the library" in page
 
 
+@pytest.mark.long
 def test_the_check_of_a_long_recording_reads_a_part_of_it_and_lists_all(case, robot, monkeypatch):
     short = partial(shortened, most=len(case.time) // 2)
     monkeypatch.setattr(posing, "shortened", short)

@@ -78,6 +78,7 @@ def test_a_link_that_is_too_heavy_in_the_file_is_told_with_its_mass(robot):
     assert abs(one["value"] - true) < 2.5 * one["std"]
 
 
+@pytest.mark.long
 def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_together_predict_better(robot, monkeypatch):
     content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
     for joint in content["joints"]:

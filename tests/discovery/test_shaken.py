@@ -137,6 +137,7 @@ SHARED = Candidate("drive_coupling", 1, 2, {})
 LATE = Candidate("actuation_delay", 1, None, {"delay": 0.01})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("found", "nats", "unexplained", "stands"),
     [
@@ -169,6 +170,7 @@ def test_what_shakes_the_arm_is_noise_unless_what_was_found_explains_it(
     assert asked == ([False] if stands else [False, True])
 
 
+@pytest.mark.long
 def test_a_body_that_is_carried_takes_the_explanation_away(disturbed, monkeypatch):
     """With a body in the load the gear may be gone for whose sake nothing was noise, and a feigned delay may stay."""
     asked, loaded = [], replace(disturbed.problem, still=True)

@@ -67,6 +67,7 @@ def _whole(white, load):
     return {a: columns[:, a] for a in white.problem.judged}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("share", [-0.5, 0.0, 0.3])
 def test_a_delay_of_all_joints_is_found(recording, robot, share):
     late = _made_late(recording, robot, share)
@@ -82,6 +83,7 @@ def test_the_delay_of_one_joint_is_its_own(recording, robot):
     assert _found(later, robot) == 0.0
 
 
+@pytest.mark.long
 def test_torque_that_is_held_for_a_period_names_nothing(recording, robot):
     held = _made_late(recording, robot, -0.5)
     found = discover(held, robot)
@@ -97,6 +99,7 @@ def _load(white):
     return Named(load, term, None, 99.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("late", [0.0, -0.5])
 @pytest.mark.parametrize("read", [0.3, 0.0])
 def test_a_delay_is_asked_again_beside_a_load(recording, robot, late, read):
@@ -133,6 +136,7 @@ def test_names_of_timing_are_nothing_that_lasts(recording, robot):
     assert lasting_terms([load, late]) == lasting_terms([load]) == [load.term]
 
 
+@pytest.mark.long
 def test_a_delay_that_a_tilt_hides_is_taken_out_beside_it(recording, robot):
     """A torque held for a period on a base that is not level: the tilt is named, and no joint gets a delay."""
     content = copy.deepcopy(read_robot_file("config/robots/puma560.yaml"))
@@ -263,6 +267,7 @@ def test_what_was_read_goes_where_the_delay_ends_beyond_the_other_side(recording
     assert asked == (read * period if stays else 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("asked", "read"), [((0.4, -0.5, 0.0), 0.0), ((0.4, -0.5, -0.5, -0.5), -0.5), ((0.4, 0.3, 0.3), 0.3)]
 )

@@ -128,6 +128,7 @@ def test_a_drive_turns_with_what_the_data_say(white, own):
     assert simplest(lacking, lacking.fit([]), candidate).nonlinear == candidate.nonlinear
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("friction", [0.0, 0.05])
 def test_inertia_alone_is_no_drive_that_two_joints_share(friction):
     """A motor that spins in the wrist is felt by the joint before it, without any friction."""

@@ -1,6 +1,7 @@
 """Torque noise with a slow part beside a white one: of few seconds it is neither structure nor an effect."""
 
 import numpy as np
+import pytest
 from scipy.signal import lfilter
 
 from jointwear.discovery.pipeline import discover
@@ -48,6 +49,7 @@ def density(frequency):
     return (1 - SLOW) + SLOW * (1 - MEMORY**2) / np.abs(1 - MEMORY * turn) ** 2
 
 
+@pytest.mark.long
 def test_slow_noise_is_no_structure():
     """The saturated fit leaves so little of it that structure over position had p of 2e-10."""
     robot, log = recording(0)
@@ -65,6 +67,7 @@ def test_slow_noise_is_no_structure():
     assert discover(log, robot).verdict == "none"
 
 
+@pytest.mark.long
 def test_a_torque_over_position_stays_one_in_such_noise():
     """A wave as strong as all of the noise is the same in all records."""
     robot, log = recording(0, wave=0.01)
@@ -73,6 +76,7 @@ def test_a_torque_over_position_stays_one_in_such_noise():
     assert {e["axis"] for e in found.effects} | {u.axis + 1 for u in found.final.outcome.unexplained} == {2}
 
 
+@pytest.mark.long
 def test_noise_of_all_joints_may_forget_as_slowly_as_any():
     """At 30 Hz a coefficient of 0.9 is 0.32 s, and 70 times as dense below 1 Hz as from 3 to 6 Hz."""
     robot, log = recording(0, rate=30.0, slowly=1.0)

@@ -33,6 +33,7 @@ def posed(robot):
     return white, build_dictionary(white)
 
 
+@pytest.mark.long
 def test_a_payload_has_its_name_above_the_smallest_size_and_not_below(robot):
     (told,) = [s for s in check_data(make_case(robot, 31), robot).shown if s.effect == "payload"]
     assert told.unit == "kg"
@@ -42,6 +43,7 @@ def test_a_payload_has_its_name_above_the_smallest_size_and_not_below(robot):
         assert [e.effect for e in found.content.effects] == named
 
 
+@pytest.mark.long
 def test_a_body_asks_for_more_where_links_are_known_less(robot):
     case = make_case(robot, 31)
     checks = [check_data(case, robot, Settings(inertial_prior=prior)) for prior in (0.01, 0.05)]
@@ -68,6 +70,7 @@ def test_an_axis_of_which_no_effect_is_asked_shows_none(posed):
     assert shown >= set(white.problem.judged) - {0}
 
 
+@pytest.mark.long
 def test_the_torque_of_an_effect_has_to_matter_and_its_middle_form_to_be_seen(posed):
     white, dictionary = posed
     settings = white.problem.settings

@@ -52,6 +52,7 @@ def test_a_line_is_placed_in_its_own_record_in_whatever_order_these_are_labelled
         assert late[found].all()
 
 
+@pytest.mark.long
 def test_a_beat_that_is_louder_than_the_noise_is_structure(robot):
     def beat(q, v, a, temperature, time, torque):
         full = np.zeros_like(q)

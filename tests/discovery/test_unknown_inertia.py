@@ -54,6 +54,7 @@ def test_a_motor_that_is_known_or_not_felt_is_left_alone(recording, robot):
     assert np.array_equal(np.flatnonzero(_posed(recording, replace(robot, armature=some)).motors.inertia), [2])
 
 
+@pytest.mark.long
 def test_the_motors_are_told_and_written_and_the_gap_is_that_of_the_given_file(recording, robot):
     bare = robot.without_motor_inertia()
     found = discover(recording, bare)

@@ -42,6 +42,7 @@ def with_corners(outcome, unresolved):
     return replace(outcome, problem=problem, white=replace(white, problem=problem, targets=targets)), corners
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("unresolved", [True, False])
 def test_what_is_off_at_corners_that_are_not_resolved_is_no_structure(outcome, unresolved):
     before = {u.axis for u in unexplained(outcome)[0]}

@@ -40,6 +40,7 @@ def heavy():
     return whitened_case(12.0)
 
 
+@pytest.mark.long
 def test_a_heavy_body_is_not_drawn_to_a_usual_one(heavy):
     outcome, first = outcome_of(heavy, build_dictionary(heavy))
     loaded = carrying(outcome)

@@ -155,6 +155,7 @@ def test_a_link_behind_an_elastic_gear_swings_as_its_equation_says():
     assert not np.any(wind_up(SimpleNamespace(time=time, record=None), load, inertia, stiffness, 1.0))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("unwound", [0.0, 2e-3])
 def test_a_link_swings_as_its_inertia_changes_and_gravity_pulls_and_however_a_record_began(unwound):
     """A link of changing inertia on a soft gear, integrated step by step, at ease or let go unwound at the start."""

@@ -58,6 +58,7 @@ def test_right_recordings_are_not_refused(recording, puma):
     check(recording, puma)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("axis", "position"), [(0, -1.0), (1, -1.0), (2, -1.0), (3, 1.0), (4, 1.0)])
 def test_flipped_joints_are_named_by_a_file_without_friction(puma, axis, position):
     # What such a file lacks is unknown, not zero: bodies need not explain it.
@@ -69,12 +70,14 @@ def test_flipped_joints_are_named_by_a_file_without_friction(puma, axis, positio
         check_axes("arm", bare, measure(turned(plain, axis, position, -1.0)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("axis", [0, 1, 3, 4])
 def test_flipped_joints_are_named(recording, puma, axis):
     with pytest.raises(Refused, match=f"sign of joint {axis + 1} looks flipped"):
         check(turned(recording, axis, -1.0, -1.0), puma)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("axis", range(6))
 def test_a_position_that_alone_is_turned_is_named(recording, puma, axis):
     """Not as the torque: that would mirror the arm."""
@@ -144,6 +147,7 @@ def test_torques_without_gravity_are_told(puma):
         checked(replace(plain, torque=light), puma)
 
 
+@pytest.mark.long
 def test_the_file_of_another_arm_is_told_as_a_cause_beside_what_resembles_it(recording, puma):
     with pytest.raises(Refused, match=r"even so the model leaves .* of the squared torque") as refusal:
         checked(recording, load_robot(arm_path("ur10")))
@@ -384,6 +388,7 @@ def test_a_drive_that_turns_with_two_axes_is_seen_from_either(puma):
     np.testing.assert_allclose(own[:, 0], file[:, 0] - np.sign(v[:, 4]))
 
 
+@pytest.mark.long
 def test_the_interval_knows_that_the_zero_of_a_spring_is_open(puma):
     # Only a constant tells where the spring is slack, and friction that differs by direction is one too.
     zero, axis = 0.5 * (puma.lower[1] + puma.upper[1]) + 0.6, 1

@@ -55,6 +55,7 @@ def test_it_is_a_restriction_of_discovery():
     assert sum("at its limit" in words for words in told) >= 5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("angle", [np.pi / 2, -np.pi / 2, np.pi])
 @pytest.mark.parametrize("axis", [1, 2])
 def test_a_joint_that_counts_from_another_zero_is_told_with_the_angle(axis, angle):

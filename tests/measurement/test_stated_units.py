@@ -34,6 +34,7 @@ def test_radians_that_are_stated_as_another_unit_are_told(stated):
     assert remedy(position=stated) == "state units: {position: rad}"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stated", ["mN m", "kN m", "kgf m"])
 def test_newton_metres_that_are_stated_as_another_unit_are_told(tmp_path, stated):
     assert remedy(torque=stated) == "state units: {torque: N m}"

@@ -29,6 +29,7 @@ def ask(recording, robot):
     check_time_scale("arm", robot, thin.parts, thin.usable)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("factor", [0.5, 0.8, 1.25, 2.0])
 def test_a_clock_at_another_speed_is_refused_with_its_factor(plain, puma, factor):
     with pytest.raises(Refused, match="inertial torques of all joints") as refused:

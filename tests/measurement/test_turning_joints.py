@@ -32,6 +32,7 @@ def turning(robot, joints):
     return replace(robot, lower=np.where(free, -turn, robot.lower), upper=np.where(free, turn, robot.upper))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("joints", [[5], range(6)])
 def test_two_turns_are_no_degrees(joints):
     robot = turning(load_robot("config/robots/puma560.yaml"), joints)

@@ -89,6 +89,7 @@ def test_where_the_gear_stays_on_one_flank_or_friction_rules_backlash_cannot_be_
     assert reach_of(0.9 * SLOWEST) == 0
 
 
+@pytest.mark.long
 def test_where_friction_rules_a_robot_file_without_it_hides_backlash_too():
     """What the baseline shows of Coulomb friction tells."""
     bare, nominal = windows_of_gears(known=0.0)
@@ -183,6 +184,7 @@ def alarms_of(judgement):
     return [a for a in judgement.alarms if a["quantity"] == BACKLASH]
 
 
+@pytest.mark.long
 def test_growing_play_alarms_under_its_own_name_and_steady_play_does_not():
     growth = np.clip((np.arange(WINDOWS) - 90) / 40.0, 0, 1)
     worn = judge(with_pulses(growth), 72, SETTINGS)
@@ -207,6 +209,7 @@ def in_batches(statistics, hours):
     return statistics
 
 
+@pytest.mark.long
 def test_pulses_that_come_and_go_with_a_batch_are_no_play():
     """Poses taught anew for a batch move them as much as a gap does, until the next batch."""
     place = np.arange(WINDOWS)

@@ -34,6 +34,7 @@ def test_what_lies_before_within_and_after():
     assert len(after_baseline(np.zeros(0, dtype=bool))) == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("axes", [1, 3])
 @pytest.mark.parametrize("before", [-0.3, -0.1, 0.0, 0.25])
 def test_friction_before_the_baseline_changes_no_judgement(before, axes):
@@ -54,6 +55,7 @@ def test_friction_before_the_baseline_changes_no_judgement(before, axes):
     assert np.nanmedian(shown) == pytest.approx(100 * before, abs=3)
 
 
+@pytest.mark.long
 def test_an_event_at_the_begin_of_the_baseline_is_asked_for_by_nobody():
     statistics = windows(0.25)
     event = Event(time=float(statistics.start[BEFORE]), kind="service", axes=(0,))

@@ -53,6 +53,7 @@ def test_without_a_baseline_nothing_is_told():
     assert not early_event_findings(windows(), [Event(BEGIN, (), "service")], np.zeros(48, dtype=bool))
 
 
+@pytest.mark.long
 def test_an_event_before_a_baseline_that_begins_later_leaves_the_axis_judged():
     """The baseline had been learnt from before the first event alone, of which there was nothing."""
     growth = np.zeros((260, 3))

@@ -47,11 +47,13 @@ def test_a_first_log_without_torque_decides_nothing(tmp_path):
         surveyed(tmp_path, replace(log, torque=np.full_like(log.torque, np.nan)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("index", [13, 21, 33])
 def test_a_gripper_and_wear_of_a_shop_floor_do_not_look_turned_around(index):
     assert survey_of(draw_cell("choose", index)).rate == pytest.approx(50.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mass", [1.0, 3.0])
 @pytest.mark.parametrize("turned", [None, 1, 2])
 def test_a_load_alone_refuses_nothing_and_hides_no_flip(tmp_path, mass, turned):
@@ -76,6 +78,7 @@ def test_an_axis_at_rest_in_the_first_log_takes_its_dead_band_from_those_that_mo
     assert still[5] >= min(moving[:5]) > 2 * np.pi * 0.8 * 1e-3
 
 
+@pytest.mark.long
 def test_samples_that_are_missing_are_no_noise(tmp_path):
     """Rows that the logger dropped and values that are not finite, as many as a bad network loses."""
     log, random = make_log(60.0), np.random.default_rng(7)

@@ -57,6 +57,7 @@ def whole(days, tmp_path_factory):
     return judged(days, tmp_path_factory.mktemp("whole"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(2))
 def test_pieces_in_any_order_say_what_the_whole_says(days, whole, tmp_path, seed):
     """The first log comes first, as the survey rests on it; some of the others come late."""
@@ -69,6 +70,7 @@ def test_pieces_in_any_order_say_what_the_whole_says(days, whole, tmp_path, seed
     assert "coulomb" in whole[0], "the example has no alarm to compare"
 
 
+@pytest.mark.long
 def test_what_is_changed_on_the_way_counts_from_the_first_window_on(days, whole, tmp_path):
     judged(days[:7], tmp_path / "pieces")
     for number, change in enumerate(

@@ -45,6 +45,7 @@ def test_each_log_is_read_once(logs, tmp_path):
     assert (again["logs_read"], again["windows"]) == (1, 15)
 
 
+@pytest.mark.long
 def test_logs_read_in_two_processes_say_what_they_say_in_one(logs, tmp_path):
     (tmp_path / "logs/day_04.parquet").write_bytes(b"no log")
     logs.append(str(tmp_path / "logs/day_04.parquet"))
@@ -94,6 +95,7 @@ def test_a_log_that_changes_is_read_again(logs, tmp_path):
     assert (found["logs_read"], found["windows"]) == (1, 13)
 
 
+@pytest.mark.long
 def test_settings_of_the_judgement_read_nothing_and_those_of_reading_all(logs, tmp_path):
     watched(logs, tmp_path)
     assert watched(logs, tmp_path, entry=ENTRY | {"limits": {"coulomb_increase_percent": 30.0}})["logs_read"] == 0
@@ -201,6 +203,7 @@ def test_an_upgrade_that_is_stopped_reads_the_other_logs_at_the_next_call(logs, 
     assert watched(logs, tmp_path)["logs_read"] == 0
 
 
+@pytest.mark.long
 def test_an_edit_that_is_refused_and_undone_leaves_all_as_it_was(logs, tmp_path):
     watched(logs, tmp_path)
     own = tmp_path / "robots/arm"
@@ -214,6 +217,7 @@ def test_an_edit_that_is_refused_and_undone_leaves_all_as_it_was(logs, tmp_path)
     assert not (own / reading.ANEW).exists()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("undone", [True, False])
 def test_an_edit_that_is_stopped_is_undone_or_goes_on(logs, tmp_path, monkeypatch, undone):
     edited = ENTRY | {"window": "6s"}
@@ -243,6 +247,7 @@ def test_an_edit_that_is_stopped_as_it_takes_its_place_is_read_again(logs, tmp_p
     assert watched(logs, tmp_path)["windows"] == 12
 
 
+@pytest.mark.long
 def test_another_model_reads_logs_that_moved_again(logs, tmp_path):
     robot, entry = own_robot(tmp_path)
     watched(logs, tmp_path, entry=entry)
@@ -286,6 +291,7 @@ def test_a_log_that_cannot_be_read_is_counted_and_stops_nothing(logs, tmp_path):
     assert any("bad.csv" in told for told in found["refusals"])
 
 
+@pytest.mark.long
 def test_a_first_log_that_is_refused_is_not_read_as_a_later_one(logs, tmp_path, monkeypatch):
     table = columns(make_log(36.0, seed=7, start=START - 60.0))
     first = tmp_path / "logs/a.parquet"
@@ -327,6 +333,7 @@ def test_other_patterns_for_the_same_logs_go_on(logs, tmp_path):
     assert (fewer["folder"], fewer["logs"], fewer["kept_logs"]) == ("arm", 3, 1), "one is left out, one is gone"
 
 
+@pytest.mark.long
 def test_another_configuration_with_some_of_the_logs_has_its_own_history_and_says_so(logs, tmp_path):
     watched(logs, tmp_path, configuration="a")
     other = {"entry": ENTRY | {"logs": ["logs/day_0[123]*"]}, "configuration": "b"}

@@ -82,6 +82,7 @@ def test_later_radians_where_degrees_are_stated_are_refused_and_an_arm_at_rest_i
     assert (found.statistics.count == 0).all()
 
 
+@pytest.mark.long
 def test_a_flipped_axis_is_told_though_the_model_fits_the_others_better_than_in_the_first_log(tmp_path):
     first, rng = make_log(48.0, seed=11), np.random.default_rng(2)
     first.torque[:, [0, 2, 3, 4, 5]] *= 1 + 0.5 * rng.standard_normal((len(first.time), 5))
@@ -130,6 +131,7 @@ def test_friction_that_multiplied_is_judged(tmp_path, good, axes, times):
     assert found.statistics.judgeable[:, :5].all()
 
 
+@pytest.mark.long
 def test_a_torque_that_the_model_does_not_know_is_not_judged(tmp_path, good):
     log = make_log(48.0, seed=15)
     whole = np.abs(log.torque)
@@ -231,6 +233,7 @@ BARE = replace(
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("program", "first", "later", "inertia"),
     [(FAR, 2.0, 10.0, 0.0), (FAR, 2.0, 10.0, 0.3), (NEAR, 6.0, 2.0, 0.3), (NEAR, 10.0, 2.0, 0.3)],
@@ -266,6 +269,7 @@ def test_a_factor_is_one_only_where_the_torque_is_as_large_as_it_says(factor):
         assert (scale is None) if told is None else scale[4] == pytest.approx(told, rel=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seconds", [44.0, 56.0])
 def test_a_part_on_some_moves_is_a_load_in_a_log_that_is_looked_at_in_parts_too(tmp_path, seconds):
     """From 48 s on a log with another load is looked at in parts of a few seconds, which need not show it."""
@@ -277,6 +281,7 @@ def test_a_part_on_some_moves_is_a_load_in_a_log_that_is_looked_at_in_parts_too(
     assert not flagged(found, Flag.CONTRADICTED)
 
 
+@pytest.mark.long
 def test_a_part_on_some_moves_is_no_factor_of_all_torques(tmp_path):
     """It loads most joints alike, and a load that is carried all the time explains it no better than a factor."""
     reading = layout_of({}, ARM.joint_names), TorqueModel(BARE)
@@ -312,6 +317,7 @@ def test_a_torque_that_the_model_does_not_follow_is_refused_for_its_size(tmp_pat
     assert "units" in refused.value.suggestion
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mass", [0.1, 2.0, 4.0, 8.0])
 @pytest.mark.parametrize("program", [FAR, NEAR])
 def test_another_product_is_no_other_unit_and_another_unit_is_told_beside_it(tmp_path, program, mass):

@@ -42,6 +42,7 @@ RUNS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("grown", [0.0, 0.12])
 @pytest.mark.parametrize("warmer", [0.0, 0.5])
 def test_later_windows_leave_states_and_alarms_as_they_were(grown, warmer):

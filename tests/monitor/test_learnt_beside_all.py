@@ -87,6 +87,7 @@ def test_axes_that_are_learnt_anew_together_are_told_no_error_of_what_nobody_tel
     assert not np.delete(result.alarm, 1, axis=1).any()
 
 
+@pytest.mark.long
 def test_axes_that_are_learnt_anew_one_after_the_other_do_not_drift():
     """Each is learnt beside the others, which were learnt beside it."""
     rounds = [list(range(13 + 4 * (j % 3), SHIFTS - 4, 12)) for j in range(AXES)]

@@ -1,6 +1,7 @@
 """An axis whose friction falls again and again is judged after the last fall as after the first."""
 
 import numpy as np
+import pytest
 
 from jointwear.monitor.normal.conditions import Conditions
 from jointwear.monitor.normal.learning import learn_axes
@@ -12,6 +13,7 @@ from jointwear.monitor.watching.watching import watch
 FALLS, EVERY, PER = 10, 7, 6
 
 
+@pytest.mark.long
 def test_wear_after_many_falls_that_nobody_entered_is_found_and_told_as_it_is():
     """After eight of them the starts were told and not learnt from: the level stayed that of before the last."""
     rng, days, axes = np.random.default_rng(1), 12 + EVERY * FALLS + 20, 4

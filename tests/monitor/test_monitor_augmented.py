@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from monitor_logs import columns, layout, make_log, model, write_parquet
 
 from jointwear.monitor.normal.friction import window_friction
@@ -15,6 +16,7 @@ from jointwear.robots.robot import EffectEntry
 LENGTH, AXIS, SLOPE = 24.0, 0, 0.2
 
 
+@pytest.mark.long
 def test_a_day_and_a_night_are_no_wear_for_the_augmented_robot(tmp_path):
     effect = EffectEntry(
         "temperature_dependent_coulomb_friction", AXIS + 1, None, {"slope": SLOPE, "scale": 1e4, "reference": 25.0}

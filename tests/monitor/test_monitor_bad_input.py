@@ -142,6 +142,7 @@ def test_readings_that_mend_nothing_are_asked_of_some_of_the_samples(tmp_path, g
     assert asked.count(max(asked)) < 0.2 * len(asked)
 
 
+@pytest.mark.long
 def test_another_load_is_marked_in_every_block(tmp_path, good):
     log = make_log(120.0, seed=7)
     more = 2.0 * model().dynamics.gravity_torque(log.position)
@@ -271,6 +272,7 @@ def test_a_torque_that_stands_still_is_told_as_that_and_the_others_go_on(tmp_pat
     assert found.statistics.judgeable[:, others].all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("factor", "unit"), [(100.0, "N cm"), (1000.0, "mN m"), (1e-3, "kN m")])
 def test_a_unit_is_told_by_what_the_robot_itself_had_before(tmp_path, good, factor, unit):
     """A model that lacks most of what turns the wrists: no factor makes it explain these as before."""

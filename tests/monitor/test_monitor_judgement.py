@@ -79,6 +79,7 @@ def test_two_axes_at_once_are_both_named():
     assert {a["axis"] for a in result.alarms if a["detector"] == "model"} == {1, 3}
 
 
+@pytest.mark.long
 def test_an_axis_too_coarse_for_its_limit_says_so_and_still_alarms_for_a_large_change():
     # Friction of the second axis differs from shift to shift.
     growth = np.zeros((300, 3))
@@ -113,6 +114,7 @@ def test_refused_and_empty_windows_are_not_judged():
     assert np.isnan(result.estimates["coulomb"][130:140, 0]).all()
 
 
+@pytest.mark.long
 def test_an_axis_that_was_mended_is_healthy_again_once_somebody_says_so():
     growth = np.zeros((260, 3))
     growth[120:180, 1] = 0.1
@@ -179,6 +181,7 @@ def test_another_program_without_an_open_alarm_starts_anew_as_before():
     assert [f for f in result.findings if f["kind"] == OPEN_ALARM] == []
 
 
+@pytest.mark.long
 def test_growth_that_another_program_takes_in_before_an_alarm_is_told():
     """An axis that had grown by 15 % the day before was healthy from the new program on, and 30 % worn at the end."""
     growth = np.zeros((260, 3))
@@ -214,6 +217,7 @@ def test_a_service_after_another_program_does_not_deny_the_alarm_that_was_open_t
     assert told(9) == [False]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("late", [-0.5, 0.0, 0.5])
 def test_states_and_episodes_say_alike_whether_an_event_closed_an_alarm(late):
     growth = np.zeros((260, 3))

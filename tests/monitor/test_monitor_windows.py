@@ -211,6 +211,7 @@ def test_stretches_that_are_filtered_together_give_what_each_gives_alone(lengths
             np.testing.assert_allclose(getattr(together, name)[rows], getattr(alone, name), rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.long
 def test_derived_motion_finds_the_same_friction_as_measured(tmp_path):
     log = make_log(120.0)
     log = replace(log, torque=log.torque + 0.4 * np.sign(log.velocity) * np.array([1, 1, 0.5, 0.1, 0.1, 0]))

@@ -26,6 +26,7 @@ def since_baseline() -> np.ndarray:
     return np.clip((np.arange(WINDOWS) - BASELINE) / (WINDOWS - BASELINE), 0, 1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("swing", [0.5, 1.6, 5.0, 20.0])
 @pytest.mark.parametrize(("forwards", "backwards"), [(0.5, 0.0), (0.0, 0.8), (0.3, 0.2)])
 def test_growth_in_one_direction_is_told_at_its_size_as_coulomb_friction(forwards, backwards, swing):

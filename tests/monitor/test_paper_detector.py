@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.events import Event
@@ -37,6 +38,7 @@ def test_the_paper_detector_passes_over_a_program_that_it_never_saw(monkeypatch)
     assert np.isnan(verdict.q[150:]).all()
 
 
+@pytest.mark.long
 def test_an_event_explains_what_the_paper_detector_saw_and_it_learns_anew(monkeypatch):
     monkeypatch.setattr(paper_detector, "VARIANCE_SHARE", 0.5)
     growth = np.zeros((400, 3))

@@ -51,6 +51,7 @@ def test_a_key_tells_values_shapes_and_types_apart():
     assert key_of(one) == key_of(np.arange(8.0)[:4])
 
 
+@pytest.mark.long
 def test_a_new_day_learns_and_simulates_nothing_again(monkeypatch, days_of_an_arm, tmp_path):
     entry, logs = days_of_an_arm
     monkeypatch.setattr(watch, "write_page", lambda *_: None)
@@ -70,6 +71,7 @@ def test_a_new_day_learns_and_simulates_nothing_again(monkeypatch, days_of_an_ar
     assert kept[0] == kept[1]
 
 
+@pytest.mark.long
 def test_the_rule_of_one_robot_learns_nothing_again(monkeypatch, days_of_an_arm, tmp_path):
     entry, logs = days_of_an_arm
     survey, windows = tmp_path / "survey.json", tmp_path / "windows.nc"

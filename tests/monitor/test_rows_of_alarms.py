@@ -40,6 +40,7 @@ def rows_until(statistics, stop):
     return sorted(found.alarms, key=lambda a: (a["time"], a["axis"], a["detector"]))
 
 
+@pytest.mark.long
 def test_rows_of_the_first_windows_are_the_first_rows(both_kinds):
     """Judged day by day a row went from 339 to 474 and 258 h, and "coulomb friction" of five rows to "viscous"."""
     whole = rows_until(both_kinds, COUNT)

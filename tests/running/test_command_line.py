@@ -112,6 +112,7 @@ def test_what_is_sound_passes(tmp_path):
     check_command_line(["--configfile=" + str(tmp_path / "x.yaml"), "nothing.yaml", "--directory", "none.yaml"])
 
 
+@pytest.mark.long
 def test_the_default_profile_asks_first(tmp_path):
     """Snakemake itself, in the checkout and from elsewhere: no traceback, nothing run, no hang."""
     for name in ("loop", "template"):
@@ -124,6 +125,7 @@ def test_the_default_profile_asks_first(tmp_path):
     assert os.listdir(tmp_path) == ["x.yaml"]
 
 
+@pytest.mark.long
 def test_a_home_that_cannot_be_written_is_none_of_snakemakes_concern(tmp_path):
     """A file in its place: root, as which tests may run, can write to any folder."""
     (tmp_path / "home").touch()

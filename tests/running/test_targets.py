@@ -52,6 +52,7 @@ def test_without_a_call_nothing_is_asked_for():
     assert asked_for() == []
 
 
+@pytest.mark.long
 def test_snakemake_ends_with_the_line_before_any_job(tmp_path):
     project = copy_project(tmp_path)
     for arguments, meant in [(["fleat"], "'fleet'"), (["monitor", "config/config.yaml"], "--configfile")]:

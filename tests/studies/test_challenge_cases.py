@@ -103,6 +103,7 @@ def test_a_case_depends_on_its_words_alone(robot):
     assert other[0].torque.shape != one[0].torque.shape or not np.array_equal(other[0].torque, one[0].torque)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tier", sorted(TIERS))
 @pytest.mark.parametrize("kind", ["single", "nothing", "retuned", "two", "outside"])
 def test_cases_of_every_kind(tier, kind):
@@ -298,6 +299,7 @@ def test_what_links_may_be_off_by_cannot_be_seen_zeros_among_them(robot, world):
     assert np.sum((change[train] / 0.01) ** 2) > 100.0
 
 
+@pytest.mark.long
 def test_batch_files_keep_the_truth_apart(tmp_path, monkeypatch):
     monkeypatch.chdir(PROJECT)
     listed = [

@@ -200,6 +200,7 @@ def test_inertias_become_those_of_bodies():
     assert mended[1]["inertia"] == data["links"][1]["inertia"]
 
 
+@pytest.mark.long
 def test_made_up_growth_never_falls_and_is_covered():
     random = np.random.default_rng(9)
     for _ in range(20):

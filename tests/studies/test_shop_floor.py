@@ -150,6 +150,7 @@ def test_factors_are_what_the_scenario_says(scenario):
         assert np.all(viscous == 1)
 
 
+@pytest.mark.long
 def test_service_never_touches_an_axis_that_has_begun_to_wear():
     for index in range(14):
         cell = draw_cell("choose", index, "all")
@@ -157,6 +158,7 @@ def test_service_never_touches_an_axis_that_has_begun_to_wear():
             assert cell.wear is None or event.hour < cell.wear.onset or cell.wear.axis not in event.axes
 
 
+@pytest.mark.long
 def test_the_short_way_gives_what_files_give(quiet_cell, tmp_path):
     survey = survey_of(quiet_cell)
     short = statistics_of(quiet_cell, survey)
@@ -176,6 +178,7 @@ def test_the_short_way_gives_what_files_give(quiet_cell, tmp_path):
     assert np.allclose(np.nan_to_num(short.temperature), np.nan_to_num(read.temperature), atol=1e-3)
 
 
+@pytest.mark.long
 def test_a_fleet_is_written_with_what_a_user_needs(tmp_path):
     config = write_fleet(tmp_path, "choose", [2, 3], days=range(2))
     entries = config["monitor"]["robots"]

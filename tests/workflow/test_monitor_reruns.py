@@ -61,6 +61,7 @@ def test_a_new_log_costs_its_own_windows(project):
     assert "accumulate_windows" not in project.planned("monitor")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "jobs"),
     [
@@ -165,6 +166,7 @@ def test_a_folder_that_cannot_be_reached_concerns_its_robot_alone(project, monke
     assert "there is no folder nowhere; the other robots go on" in done.stderr
 
 
+@pytest.mark.long
 def test_a_fleet_is_planned_though_a_folder_is_lost(project):
     config = project.config()
     config["monitor"] = {"robots": {"arm": ENTRY, "gone": ENTRY | {"logs": ["nowhere/*.csv"]}}}
@@ -176,6 +178,7 @@ def test_a_fleet_is_planned_though_a_folder_is_lost(project):
     assert learning == {"learn_robot": 1, "learn_normal": 1}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("target", ["fleet", "notify", "results/fleet/fleet.csv"])
 def test_a_fleet_without_a_robot_is_refused_and_keeps_what_there_is(tmp_path, target):
     project = copy_project(tmp_path)
@@ -193,6 +196,7 @@ def test_a_fleet_without_a_robot_is_refused_and_keeps_what_there_is(tmp_path, ta
     assert [path.name for path in table.parent.iterdir()] == ["fleet.csv"]
 
 
+@pytest.mark.long
 def test_a_robot_whose_folder_is_gone_is_judged_again(project):
     """Also where the folders of all robots are; a further call has nothing to judge."""
     folders = project.folder / "results/fleet/robots"
@@ -207,6 +211,7 @@ def test_a_robot_whose_folder_is_gone_is_judged_again(project):
         assert "watch_fleet" not in project.planned("fleet")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("target", ["monitor", "learn_normal"])
 def test_the_example_says_that_no_robot_is_named(tmp_path, target):
     project = copy_project(tmp_path)
@@ -231,6 +236,7 @@ def test_a_bag_is_one_log(project, monkeypatch):
     assert find_logs(["logs/bag_*", "logs/**/*.mcap"]) == ["logs/bag_1"]
 
 
+@pytest.mark.long
 def test_a_mistyped_key_does_not_cost_the_survey_of_a_log_that_is_gone(project):
     survey = project.folder / "results/monitor/arm/survey.json"
     before, first = read_json(survey), project.folder / "logs/bag_1"

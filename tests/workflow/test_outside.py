@@ -50,6 +50,7 @@ def test_a_call_from_within_another_checkout_takes_its_own_library(clone, tmp_pa
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 def test_own_files_hide_the_shipped_ones(clone, tmp_path):
     (tmp_path / "config/tasks").mkdir(parents=True)
     text = (ROOT / "config/tasks/T1.yaml").read_text().replace("name: T1", "name: mine")
@@ -99,6 +100,7 @@ def test_a_read_only_checkout_runs_a_job(clone, tmp_path):
     assert not (clone.folder / "results").exists()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "target",
     [
@@ -118,6 +120,7 @@ def test_what_works_on_the_checkout_is_refused_elsewhere_before_any_job(clone, t
     assert not (tmp_path / "results").exists()
 
 
+@pytest.mark.long
 def test_the_tables_are_what_they_were(built):
     """The rooms of the library moved no number of the reproduction."""
     for path in sorted((ROOT / "tests/data/before").glob("*.csv")):

@@ -41,6 +41,7 @@ def test_both_profiles_say_the_same():
     assert (slurm["groups"], slurm["group-components"]) == (kubernetes["groups"], kubernetes["group-components"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", PROFILES)
 def test_jobs_of_a_group_are_sent_as_many_at_a_time_as_the_profile_says(tmp_path, name):
     """Without a size for its group every diagnosis was sent by itself: 39 of the 52 submissions of grouped jobs."""

@@ -53,6 +53,7 @@ def test_the_report_does_not_run_again_for_the_settings_of_studies(built):
     assert built.planned("--config", "recover={solutions: 40}") == {}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("experiment", ["literal", "closest"])
 def test_the_comparison_depends_on_every_stage_that_it_runs(built, experiment):
     tables = [f"results/tables/table_{name}.nc" for name in ("ii", "iv", "v", "vi")]

@@ -13,6 +13,7 @@ OWN = re.compile(
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "status"),
     [

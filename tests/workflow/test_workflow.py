@@ -47,6 +47,7 @@ def test_a_second_run_does_nothing(built):
     assert built.planned() == {}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
@@ -65,6 +66,7 @@ def test_a_larger_grid_computes_only_its_new_cells(project, change, expected):
         assert "fit_normal_model" not in jobs
 
 
+@pytest.mark.long
 def test_cores_order_and_grid_do_not_change_a_number(built, tmp_path):
     other = copy_project(tmp_path)
     other.write_config(merged(other.config(), {"tasks": ["T2", "T1"], "wear": {"axes": [3]}}))
@@ -129,6 +131,7 @@ def test_a_waypoint_beyond_a_limit_stops_before_any_job(project):
     assert "'waypoints[0][0]' is 1700 deg" in done.stdout + done.stderr
 
 
+@pytest.mark.long
 def test_a_truncated_file_is_named_and_not_a_traceback(project):
     broken = project.folder / "results/features/T1/training.nc"
     broken.write_bytes(broken.read_bytes()[:2000])
@@ -139,6 +142,7 @@ def test_a_truncated_file_is_named_and_not_a_traceback(project):
     assert "Traceback" not in output
 
 
+@pytest.mark.long
 def test_a_killed_run_resumes_with_the_same_numbers(built, tmp_path):
     project = copy_project(tmp_path)
     process = subprocess.Popen(
@@ -166,6 +170,7 @@ def test_an_edited_reading_reruns_its_stage_and_what_follows(project):
         assert rule not in jobs
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("module", "reruns", "stays"),
     [
@@ -198,6 +203,7 @@ def test_a_new_effect_leaves_the_reproduction_alone(project):
     assert not {"simulate_training", "simulate_normal", "simulate_wear", "compute_features"} & project.planned().keys()
 
 
+@pytest.mark.long
 def test_an_edited_effect_reruns_a_robot_that_has_it(project):
     config = project.config()
     robot = (project.folder / config["robot"]).read_text()
