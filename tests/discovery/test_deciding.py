@@ -66,6 +66,24 @@ def test_a_form_that_says_more_than_was_seen_gives_way_to_a_plainer_one(found, m
     ]
 
 
+@pytest.mark.parametrize(("share", "plainer"), [(0.9, True), (0.3, False)])
+def test_a_form_competes_by_what_it_predicts_where_it_explains_nearly_as_much(found, monkeypatch, share, plainer):
+    """Beside a payload without a name a gear on one axis had predicted better than the true one on all of them."""
+    white, dictionary = found.final.outcome.white, found.final.outcome.dictionary
+    drift = next(s for s in scan(white, dictionary, white.fit()) if s.candidate.key == ("torque_offset_drift", 2, None))
+    (other,) = drift.others
+    drift = replace(drift, others=(replace(other, evidence=share * drift.evidence),))
+
+    def better_the_plainer(white, before, trial):
+        plain = set(trial.candidate.nonlinear) == set(other.candidate.nonlinear)
+        return CrossValidated(nats=60.0, share=0.25, worst=3.0, gain_share=2.0 if plain else 1.0), None
+
+    monkeypatch.setattr(decide, "refusals", lambda *_: [])
+    monkeypatch.setattr(decide, "predictive", better_the_plainer)
+    trial, _ = decide._tried(white, white.fit(), [], drift)
+    assert (set(trial.candidate.nonlinear) == set(other.candidate.nonlinear)) is plainer
+
+
 def test_families_are_ranked_off_their_grids(found):
     """A bend makes up for a step of the grid too: a coarse grid would lose against a fine one."""
     white, dictionary = found.final.outcome.white, found.final.outcome.dictionary

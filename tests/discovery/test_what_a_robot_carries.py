@@ -15,14 +15,20 @@ from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
 from jointwear.discovery.search.carried import carrying
 from jointwear.measurement.recording import split
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import wind_up_regressor
 from jointwear.robots.robot import Link, load_robot
 
 
-def whitened_case(mass):
+def robots(mass):
     robot = load_robot("config/robots/puma560.yaml")
     lever = np.array([0.02, -0.03, 0.25])
     about = mass * np.diag([0.03, 0.035, 0.02])
-    loaded = replace(robot, payload=Link(mass, lever, about))
+    return robot, replace(robot, payload=Link(mass, lever, about))
+
+
+def whitened_case(mass):
+    robot, loaded = robots(mass)
     problem = build_problem(split(make_case(loaded, 31)), robot, Settings())
     return whiten(problem, estimate_noise(problem))
 
@@ -65,6 +71,15 @@ def test_a_body_is_part_of_the_load(heavy):
     assert np.array_equal(loaded.discrepancy, heavy.problem.discrepancy)
     shift = loaded.state.torque - heavy.problem.state.torque
     assert np.allclose(loaded.state.load - heavy.problem.state.load, shift)
+
+
+def test_a_gear_twists_by_the_inertia_and_the_weight_of_the_body_too(heavy):
+    """The stiffness of a gear of 4,940 N m/rad behind 1.2 kg that were found was told without them."""
+    outcome, _ = outcome_of(heavy, build_dictionary(heavy))
+    state = carrying(outcome).state
+    bare, true = (wind_up_regressor(Dynamics(robot), state.position)(1) for robot in robots(12.0))
+    for found, without, with_body in zip(state.wind_up_regressor(1), bare, true, strict=True):
+        assert np.abs(found - with_body).max() < 0.1 * np.abs(without - with_body).max()
 
 
 def test_a_light_body_that_explains_all_changes_nothing():

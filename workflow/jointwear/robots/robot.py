@@ -109,6 +109,26 @@ def _link(entry: dict[str, Any]) -> Link:
     return Link(float(entry["mass"]), np.array(entry["com"], dtype=float), inertia_matrix(entry.get("inertia")))
 
 
+def body_content(link: Link | None) -> dict[str, Any]:
+    """Return a body in the layout of a robot file, one without a mass for None."""
+    if link is None:
+        return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
+    return {
+        "mass": float(link.mass),
+        "com": [float(x) for x in link.com],
+        "inertia": [float(link.inertia[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
+    }
+
+
+def _payload(content: dict[str, Any] | None) -> Link | None:
+    return _link(content) if content and content["mass"] > 0 else None
+
+
+def with_payload(robot: Robot, content: dict[str, Any] | None) -> Robot:
+    """Return the robot with the payload of `content`, laid out as in a robot file; None for none."""
+    return replace(robot, payload=_payload(content))
+
+
 def robot_from_data(data: dict[str, Any], urdf: Path | None = None) -> Robot:
     """Build a :class:`Robot` from the checked content of a robot file.
 
@@ -123,7 +143,6 @@ def robot_from_data(data: dict[str, Any], urdf: Path | None = None) -> Robot:
     def column(get) -> np.ndarray:
         return np.array([np.nan if get(j) is None else get(j) for j in joints], dtype=float)
 
-    payload = data.get("payload")
     return Robot(
         name=data["name"],
         gravity=np.array(data["gravity"], dtype=float),
@@ -139,7 +158,7 @@ def robot_from_data(data: dict[str, Any], urdf: Path | None = None) -> Robot:
         dh=tuple(DHRow(r["d"], r["a"], r["alpha"], r.get("offset", 0.0)) for r in data["dh"]) if "dh" in data else None,
         links=tuple(_link(e) for e in data["links"]) if "links" in data else None,
         urdf=urdf,
-        payload=_link(payload) if payload and payload["mass"] > 0 else None,
+        payload=_payload(data.get("payload")),
         effects=tuple(
             EffectEntry(e["effect"], e.get("axis"), e.get("source_axis"), dict(e.get("parameters", {})))
             for e in data.get("effects", [])

@@ -12,7 +12,7 @@ from jointwear.discovery.model.estimation import Estimate, Final
 from jointwear.effects import State, get_effect
 from jointwear.files.json_values import builtin
 from jointwear.robots.inertia import links_from_parameters
-from jointwear.robots.robot import Link
+from jointwear.robots.robot import body_content
 from jointwear.robots.urdf_links import urdf_with_links
 
 
@@ -53,7 +53,7 @@ def augmented_robot(final: Final, urdf_name: str | None = None, with_effects: bo
                 "torque_limit": limit if np.isfinite(limit) else None,
             }
         )
-    data["payload"] = _body(robot.payload)
+    data["payload"] = body_content(robot.payload)
     data["effects"] = [builtin(vars(e)) for e in robot.effects]
     data = _with_effects(data, estimates, final.outcome.problem.state)
     data["provenance"] = {
@@ -74,17 +74,6 @@ def augmented_urdf(final: Final, with_effects: bool = True) -> str | None:
     if robot.urdf is None:
         return None
     return urdf_with_links(robot, final.delta_inertial if with_effects else final.retuned_inertial)
-
-
-def _body(link: Link | None) -> dict[str, Any]:
-    """Return a body in the layout of a robot file."""
-    if link is None:
-        return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
-    return {
-        "mass": float(link.mass),
-        "com": [float(x) for x in link.com],
-        "inertia": [float(link.inertia[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
-    }
 
 
 def _with_effects(data: dict[str, Any], estimates: Sequence[Estimate], state: State) -> dict[str, Any]:

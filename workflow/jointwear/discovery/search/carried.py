@@ -22,7 +22,10 @@ from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.decide import decide
 from jointwear.discovery.search.searches import explains_shaking, whitened
 from jointwear.discovery.search.slow_noise import beside_slow_noise
-from jointwear.effects import get_effect
+from jointwear.effects import Effect, get_effect
+from jointwear.robots.dynamics import Dynamics
+from jointwear.robots.inertia import wind_up_regressor
+from jointwear.robots.robot import Robot, body_content, with_payload
 
 
 def carrying(outcome: Outcome) -> Problem | None:
@@ -33,7 +36,7 @@ def carrying(outcome: Outcome) -> Problem | None:
     further (`mass_sigmas`) from nothing than its prior has it.
     """
     problem, fit = outcome.problem, outcome.fit
-    state, settings = problem.state, problem.settings
+    state, settings, loaded = problem.state, problem.settings, problem.robot
     carried, wider = np.zeros_like(state.torque), {}
     for one in outcome.named:
         effect = get_effect(one.candidate.effect) if one.candidate.axis is None else None
@@ -42,6 +45,7 @@ def carrying(outcome: Outcome) -> Problem | None:
             continue
         std = effect.prior(problem.robot)
         carried += effect.columns(state, None, None, one.candidate.nonlinear) @ found
+        loaded = _with_body(loaded, effect, effect.parameters_of(one.candidate.nonlinear, found))
         away = float(np.max(np.abs(found) / std))
         if away > settings.mass_sigmas:
             wider[one.candidate.effect] = away * std
@@ -49,8 +53,19 @@ def carrying(outcome: Outcome) -> Problem | None:
     beside = len(outcome.named) > 1 or bool(outcome.unexplained)
     if not wider and not (beside and any(share[axis] > settings.usual for axis in problem.judged)):
         return None
-    heavier = replace(state, load=state.load + carried, torque=state.torque + carried)
+    # A gear twists by the inertia and the weight of all that hangs behind it.
+    behind = wind_up_regressor(Dynamics(loaded), state.position)
+    heavier = replace(state, load=state.load + carried, torque=state.torque + carried, wind_up_regressor=behind)
     return replace(problem, state=heavier, body_prior=wider)
+
+
+def _with_body(robot: Robot, effect: Effect, parameters: dict[str, float]) -> Robot:
+    """Return a robot that carries a body with the parameters of an effect too; the same where its file has no place
+    for it."""
+    if effect.writes is None:
+        return robot
+    content = effect.writes({"payload": body_content(robot.payload)}, parameters)
+    return with_payload(robot, content["payload"])
 
 
 def search_beside(found: Outcome) -> Outcome:

@@ -255,7 +255,10 @@ def _tried(white: White, fit: Fit, named: list[Named], best: Scored) -> tuple[Na
     if len(passed) < 2:
         return (passed[0], []) if passed else (trials[0], failed[0])
     before = [t for n in named for t in n.terms]
-    return max(passed, key=lambda t: predictive(white, before, t)[0].gain_share), []
+    # A form on all axes predicts worse beside what they still lack, however much more it explains.
+    enough = (1.0 - white.problem.settings.usual) * max(t.evidence for t in passed)
+    close = [t for t in passed if t.evidence >= enough]
+    return max(close, key=lambda t: predictive(white, before, t)[0].gain_share), []
 
 
 class _Ranking:
