@@ -242,6 +242,21 @@ def test_an_exchange_that_makes_a_right_axis_wrong_is_not_believed(recording, pu
         check(recording, puma)
 
 
+@pytest.mark.parametrize(
+    ("other", "nats", "refused"), [(0.0145, 30.0, False), (0.0145, 51.0, True), (0.004, 30.0, True)]
+)
+def test_an_exchange_that_moves_what_is_wrong_needs_more(recording, puma, monkeypatch, other, nats, refused):
+    """A zero that drifts on joint 6 of a UR10 had made joints 4 and 6 look exchanged."""
+    exchange = next(r for r in readings(puma) if r.kind == "swap" and set(r.axes) == {3, 5})
+    as_read, read_so, told = np.full(6, 0.001), np.full(6, 0.001), iter([0.0, nats])
+    as_read[[3, 5]], read_so[[3, 5]] = (0.0012, 0.0123), (other, 0.0012)
+    monkeypatch.setattr(axes_check, "explained", lambda *_: as_read)
+    monkeypatch.setattr(axes_check, "explained_otherwise", lambda *_: iter([(exchange, read_so)]))
+    monkeypatch.setattr(axes_check, "Likelihood", lambda *_: lambda *_: next(told))
+    with pytest.raises(Refused, match="joints 4 and 6 look swapped") if refused else contextlib.nullcontext():
+        check(recording, puma)
+
+
 @pytest.mark.parametrize(("left", "nats", "refused"), [(0.004, 41.0, False), (0.004, 81.0, True), (0.02, 41.0, True)])
 def test_a_flip_of_an_axis_that_the_model_explains_needs_more(recording, puma, monkeypatch, left, nats, refused):
     flip = next(r for r in readings(puma) if r.kind == "flip" and r.axes == (5,))
