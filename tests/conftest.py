@@ -17,7 +17,7 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import load_robot
 
 #: Folders of tests that run the workflow itself: a file of these takes minutes, and must not be the last to begin.
-LONG = ("results", "workflow")
+FIRST = ("results", "workflow")
 ROOT = Path(__file__).resolve().parent.parent
 ORACLE = Path(__file__).resolve().parent / "data" / "oracle"
 
@@ -32,7 +32,7 @@ for _name in ("NO_PROXY", "no_proxy"):
 
 
 def pytest_collection_modifyitems(items):
-    items.sort(key=lambda item: item.path.parent.name not in LONG)
+    items.sort(key=lambda item: item.path.parent.name not in FIRST)
 
 
 class Oracle:

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad
-from jointwear.robots.robot import Robot
+from jointwear.robots.robot import Link, Robot, body_content
 
 
 def inertial_regressor(dynamics: Dynamics, position, velocity, acceleration) -> np.ndarray:
@@ -215,11 +215,5 @@ def links_from_parameters(robot: Robot, delta: np.ndarray) -> list[dict]:
         about = matrix_of_six(pi[4:]) - new_mass * _skew(new_com).T @ _skew(new_com)
         if robot.links is not None:
             about = _of_a_body(about)
-        result.append(
-            {
-                "mass": new_mass,
-                "com": [float(x) for x in new_com],
-                "inertia": [float(about[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
-            }
-        )
+        result.append(body_content(Link(new_mass, new_com, about)))
     return result

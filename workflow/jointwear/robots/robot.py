@@ -105,8 +105,14 @@ def inertia_matrix(six: list[float] | None) -> np.ndarray:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=float)
 
 
-def _link(entry: dict[str, Any]) -> Link:
-    return Link(float(entry["mass"]), np.array(entry["com"], dtype=float), inertia_matrix(entry.get("inertia")))
+def inertia_entries(matrix: np.ndarray) -> list[float]:
+    """Return (xx, yy, zz, xy, yz, xz) of a symmetric (3, 3) matrix, as :func:`inertia_matrix` takes them."""
+    return [float(matrix[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))]
+
+
+def body_of(content: dict[str, Any]) -> Link:
+    """Return the body that `content` describes, laid out as in a robot file."""
+    return Link(float(content["mass"]), np.array(content["com"], dtype=float), inertia_matrix(content.get("inertia")))
 
 
 def body_content(link: Link | None) -> dict[str, Any]:
@@ -116,12 +122,12 @@ def body_content(link: Link | None) -> dict[str, Any]:
     return {
         "mass": float(link.mass),
         "com": [float(x) for x in link.com],
-        "inertia": [float(link.inertia[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
+        "inertia": inertia_entries(link.inertia),
     }
 
 
 def _payload(content: dict[str, Any] | None) -> Link | None:
-    return _link(content) if content and content["mass"] > 0 else None
+    return body_of(content) if content and content["mass"] > 0 else None
 
 
 def with_payload(robot: Robot, content: dict[str, Any] | None) -> Robot:
@@ -156,7 +162,7 @@ def robot_from_data(data: dict[str, Any], urdf: Path | None = None) -> Robot:
         coulomb_negative=np.abs(gear) * column(lambda j: j["coulomb"]["negative"]),
         torque_limit=column(lambda j: j["torque_limit"]),
         dh=tuple(DHRow(r["d"], r["a"], r["alpha"], r.get("offset", 0.0)) for r in data["dh"]) if "dh" in data else None,
-        links=tuple(_link(e) for e in data["links"]) if "links" in data else None,
+        links=tuple(body_of(e) for e in data["links"]) if "links" in data else None,
         urdf=urdf,
         payload=_payload(data.get("payload")),
         effects=tuple(

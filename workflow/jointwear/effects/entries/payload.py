@@ -8,6 +8,7 @@ from scipy.optimize import least_squares
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.files.errors import InputError
 from jointwear.robots.inertia import SIX, bodies, matrix_of_six, parameters_of_body
+from jointwear.robots.robot import Link, body_content, body_of
 
 _NAMES = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
 #: What a payload is likely to be: this share of the mass of the arm, at this lever [m].
@@ -79,14 +80,6 @@ def _parameter_vector(parameters):
     return np.array([parameters.get(name, 0.0) for name in _NAMES])
 
 
-def _body_of(content):
-    """Return mass, centre of mass and inertia about it of a body as a robot file has it; nothing for none."""
-    content = content or {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
-    xx, yy, zz, xy, yz, xz = content.get("inertia") or [0.0] * 6
-    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return float(content["mass"]), np.array(content["com"], dtype=float), inertia
-
-
 def _about_centre(total, farthest=np.inf):
     """Return centre of mass (3,) and inertia (3, 3) about it of ten parameters with a mass."""
     mass = float(total[0])
@@ -102,20 +95,17 @@ def _sound(parameters):
 
 def _written(content, parameters):
     """Return the body of a robot file that is the sum of `content` and a payload; the nearest that is a body."""
-    total = parameters_of_body(*_body_of(content)) + _parameter_vector(parameters)
+    own = body_of(content or body_content(None))
+    total = parameters_of_body(own.mass, own.com, own.inertia) + _parameter_vector(parameters)
     mass = float(total[0])
     if mass <= 1e-9:
-        return {"mass": 0.0, "com": [0.0, 0.0, 0.0]}
+        return body_content(None)
     com, about = _about_centre(total, FARTHEST)
     moments, axes = np.linalg.eigh(about)
     # A shade more than nothing, so that rounding makes no moment negative.
     least = 1e-10 * min(max(float(moments[-1]), 0.0), LARGEST)
     about = (axes * np.clip(moments, least, LARGEST)) @ axes.T
-    return {
-        "mass": mass,
-        "com": [float(x) for x in com],
-        "inertia": [float(about[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))],
-    }
+    return body_content(Link(mass, com, about))
 
 
 EFFECT = Effect(

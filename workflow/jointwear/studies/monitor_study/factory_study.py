@@ -23,7 +23,7 @@ from jointwear.files.text_files import replace_text
 from jointwear.reproduction.detection import score
 from jointwear.reproduction.features import build_reference, hourly_features
 from jointwear.reproduction.normal_model import fit_normal_model
-from jointwear.robots.robot import Robot, inertia_matrix, load_robot
+from jointwear.robots.robot import Robot, inertia_entries, inertia_matrix, load_robot
 from jointwear.studies.monitor_study.confounders import (
     JUDGED,
     LEARNT,
@@ -97,13 +97,10 @@ def of_bodies(data: dict[str, Any]) -> dict[str, Any]:
 
     An estimated inertia may have negative principal moments, a little below zero, where the motion hardly shows them.
     """
-    order = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
     for link in data.get("links", []):
-        matrix = inertia_matrix(link.get("inertia"))
-        moments, axes = np.linalg.eigh(matrix)
+        moments, axes = np.linalg.eigh(inertia_matrix(link.get("inertia")))
         if moments[0] < 0:
-            matrix = (axes * np.maximum(moments, 1e-9)) @ axes.T
-            link["inertia"] = [float(matrix[i]) for i in order]
+            link["inertia"] = inertia_entries((axes * np.maximum(moments, 1e-9)) @ axes.T)
     return data
 
 
