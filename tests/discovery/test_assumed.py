@@ -12,6 +12,7 @@ from jointwear.studies.world.assumptions import LIMITS, WRITTEN, moved, moves
 OTHERS = {
     "a grid, a range or a resolution that is searched": """
         base.DRIVE_ERRORS base.INERTIAL_ERRORS sound_fit.SOUND fallback.HALVINGS fallback.OF_LINKS fused_load.ENDS
+        known_band.EACH_OCTAVE
         instruments.FREQUENCIES instruments.CUTOFFS instruments.LATE noise.HIGHEST_ORDER noise.HIGHEST_ORDER_DERIVED
         noise_spectrum.CELLS noise_spectrum.BANDS noise_spectrum.POINTS noise_spectrum.EDGES peak_torque.STEPS_OF_ONE
         peak_torque.STEPS_OF_MANY peak_torque.ZEROS problem.SMEAR recorded_in_time.SHARES refine.STARTS regimes.BINS

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from jointwear import effects
+from jointwear.effects import order
 from jointwear.effects.entries.presliding_hysteresis import bristle, relaxing_bristle
 from jointwear.effects.swing import wind_up
 from jointwear.files.errors import InputError
@@ -132,6 +133,25 @@ def test_friction_of_a_flexible_joint_is_that_of_its_motor(state):
     turned = np.abs(friction) > 0.5 * step
     assert 0 < turned.sum() < 0.2 * len(turned)
     assert np.abs(velocity[turned]).max() < 0.5 * np.abs(velocity).max()
+
+
+def test_what_a_load_holds_up_to_a_frequency_is_not_late_and_ends_with_each_record(state):
+    time = np.tile(np.arange(500) / 100.0, 2)
+    slow, fast = np.sin(2 * np.pi * 1.5 * time), np.sin(2 * np.pi * 30.0 * time)
+    ordered = replace(
+        state,
+        **{name: np.zeros((1000, 6)) for name in ("position", "velocity", "acceleration", "load", "torque")},
+        temperature=np.full((1000, 6), np.nan),
+        time=time,
+        record=np.repeat([0, 1], 500),
+    )
+    kept = order.up_to(ordered, slow + fast, 10.0)
+    # At an end a wave has no other half to be told from what is slow.
+    assert kept[20:480] == pytest.approx(slow[20:480], abs=0.02)
+    alone = order.up_to(ordered, np.where(ordered.record == 0, slow + fast, 7.0), 10.0)
+    assert np.array_equal(alone[:500], kept[:500])
+    assert alone[500:] == pytest.approx(7.0)
+    assert np.array_equal(order.up_to(replace(ordered, record=None), fast, 10.0), fast)
 
 
 def test_a_link_behind_an_elastic_gear_swings_as_its_equation_says():

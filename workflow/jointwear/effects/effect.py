@@ -105,6 +105,8 @@ class Effect:
         hardly any lies along that of the residual.
     late : its `scaled` parameter is the time [s] by which the torque is late.
     of_load : of these, made of the load alone, which the measured torque tells as well as the motion.
+    band : of these, the parameter that says up to which frequency [Hz] a robot file has the load, because noise of the
+        motion is more above; empty: it has all of it.
     of_drive : a share of all that a drive gives: without a load on the axis, friction and motor inertia say the same.
     rubs : how many of its first coefficients are friction, without which it is another thing; 0: it need not rub.
     of_torque : its columns are in proportion to the torque of the robot file (`State.torque`), and as wrong as that.
@@ -164,6 +166,7 @@ class Effect:
     shifts: Callable[[Parameters], bool] = lambda parameters: False
     late: bool = False
     of_load: bool = False
+    band: str = ""
     of_drive: bool = False
     rubs: int = 0
     of_torque: bool = False

@@ -115,6 +115,23 @@ def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
     return turned_about_ends(values, more), slice(more, more + len(values))
 
 
+def up_to(state: State, values: np.ndarray, band: float) -> np.ndarray:
+    """Return what `values` (m,) hold up to `band` [Hz] within each record, without a shift in time.
+
+    The filter is a Butterworth of fourth order, forward and backward. Samples are evenly spaced but for jitter; without
+    an order the values stay as they are.
+    """
+    if state.record is None:
+        return values
+    result = np.array(values, dtype=float)
+    for part, _, usual in _steps(state):
+        padded, inside = continued(values[part])
+        frequency = np.fft.rfftfreq(len(padded), usual)
+        spectrum = np.fft.rfft(padded) / (1.0 + (frequency / band) ** 8)
+        result[part] = np.fft.irfft(spectrum, len(padded))[inside]
+    return result
+
+
 def late_torque(state: State, axis: int, delay: float) -> np.ndarray:
     """Return the nominal torque (m,) of one axis as it was `delay` [s] earlier; negative: as it will be.
 

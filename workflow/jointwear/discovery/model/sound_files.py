@@ -17,6 +17,7 @@ from jointwear.discovery.estimates.outcome import Outcome, Suspected
 from jointwear.discovery.model.estimation import finalise
 from jointwear.discovery.model.fallback import OF_LINKS, OWN, PutBack, Step
 from jointwear.discovery.model.final_model import Final
+from jointwear.discovery.model.known_band import with_known_bands
 from jointwear.discovery.model.left_out import mean_squares
 from jointwear.discovery.model.steps_back import WITHOUT
 from jointwear.discovery.model.written_robot import WrittenRobot, simulate_robot, written_robot
@@ -59,11 +60,17 @@ def _with_fewer_links(problem: Problem, with_links: Callable[[Step], Written], k
 def write_files(problem: Problem, final: Final) -> Written:
     """Return a model with its robot files and the torque that each of them gives."""
     files = {"retuned": written_robot(final, False), "augmented": written_robot(final)}
-    torques = {"nominal": problem.given_torque}
-    for kind, file in files.items():
-        with file.robot() as arm:
-            torques[kind] = simulate_robot(arm, problem.measured)[0]
-    return final, files, torques
+    torques = {"nominal": problem.given_torque} | {kind: _torque(problem, file) for kind, file in files.items()}
+    ended = with_known_bands(final, torques["augmented"])
+    if ended is not final:
+        files["augmented"] = written_robot(ended)
+        torques["augmented"] = _torque(problem, files["augmented"])
+    return ended, files, torques
+
+
+def _torque(problem: Problem, file: WrittenRobot) -> np.ndarray:
+    with file.robot() as arm:
+        return simulate_robot(arm, problem.measured)[0]
 
 
 def unchanged_files(problem: Problem, final: Final) -> Written:

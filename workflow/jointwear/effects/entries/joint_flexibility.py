@@ -4,7 +4,7 @@ import numpy as np
 
 from jointwear.effects.bends import timing_bend
 from jointwear.effects.effect import Derived, Effect, Parameter
-from jointwear.effects.order import first_derivative, second_derivative
+from jointwear.effects.order import first_derivative, second_derivative, up_to
 from jointwear.effects.swing import drag_of, wind_up
 
 #: Jm G^2 / K [s^2] to start from, for drives of 2 to 23 Hz; reversals of the motor move with it.
@@ -53,6 +53,8 @@ def _columns(state, axis, source, p):
     share, inertia = p["inertia_over_stiffness"], p.get("inertia", 0.0)
     if _spreads(p) and state.wind_up_regressor is not None:
         return _lag(state, axis, p, [axis])
+    if p.get("band", 0.0) > 0:
+        load = up_to(state, load, p["band"])
     torque = share * second_derivative(state, load)
     if p.get("side"):
         # Motor and friction move as recorded; the link behind the gear lags by the wind-up, and its inertia with it.
@@ -116,6 +118,9 @@ EFFECT = Effect(
         ),
         Parameter("side", "1", 0, 1, "0: positions are those of the link, 1: of the motor", 0, fixed=True),
         Parameter("damping", "1", 0.0, 1.0, "damping of the swing of the link, 1: it does not swing", _DAMPING),
+        Parameter(
+            "band", "Hz", 0.0, 1e6, "up to where the load is known from the motion; 0: everywhere", 0.0, fixed=True
+        ),
     ),
     confused_with=("actuation_delay",),
     excitation="motion with much jerk, and different loads",
@@ -133,6 +138,7 @@ EFFECT = Effect(
     timing=True,
     as_wound=True,
     of_load=True,
+    band="band",
     bend=timing_bend(),
     sequential=True,
     derived=(
