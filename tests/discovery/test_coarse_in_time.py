@@ -57,7 +57,8 @@ def test_of_few_samples_in_short_runs_no_order_tells_noise_from_motion():
 @pytest.mark.parametrize("every", [8, 10, 12])
 def test_what_the_model_lacks_is_no_noise_of_a_log_of_ten_samples_a_second(every):
     recording, robot = recorded(every)
-    _, problem, told = pose_problem(split(recording), robot, Settings())
+    posed = pose_problem(split(recording), robot, Settings())
+    problem, told = posed.problem, posed.restrictions
     assert not any("too coarse" in words for words in told)
     white = estimate_noise(problem)[AXIS]
     lacking = problem.lacking[AXIS]

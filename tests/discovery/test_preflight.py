@@ -81,7 +81,7 @@ def test_the_page_has_shares_in_percent_and_other_sizes_in_their_unit(case, robo
 
 def test_it_is_told_of_which_motors_the_file_has_no_inertia(case, robot):
     def told(robot, **other):
-        found = posing.pose_problem(replace(split(case), **other), robot, Settings())[2]
+        found = posing.pose_problem(replace(split(case), **other), robot, Settings()).restrictions
         return [line for line in found if "no motor inertia of" in line]
 
     assert (

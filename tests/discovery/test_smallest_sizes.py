@@ -28,7 +28,7 @@ def carrying(robot, mass: float):
 
 @pytest.fixture(scope="module")
 def posed(robot):
-    _, problem, _ = pose_problem(split(make_case(robot, 31)), robot, Settings())
+    problem = pose_problem(split(make_case(robot, 31)), robot, Settings()).problem
     white = whiten(problem, estimate_noise(problem))
     return white, build_dictionary(white)
 

@@ -23,7 +23,7 @@ def recording(robot):
 
 
 def _posed(recording, robot):
-    return pose_problem(recording, robot, Settings())[1]
+    return pose_problem(recording, robot, Settings()).problem
 
 
 def test_the_problem_is_that_of_the_robot_with_its_motors_and_the_given_torque_that_of_the_file(recording, robot):

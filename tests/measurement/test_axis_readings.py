@@ -168,8 +168,9 @@ def test_a_joint_that_counts_from_a_zero_some_degrees_off_is_told(puma):
 def test_motor_side_torque_is_named(puma, axis):
     # What tells of the last joint is the size of its friction: there is next to no other torque.
     recording = make_case(puma, 3)
-    with pytest.raises(Refused, match=f"torque of joint {axis + 1} looks like that of the motor"):
+    with pytest.raises(Refused, match=f"torque of joint {axis + 1} looks like that of the motor") as refusal:
         check(turned(recording, axis, 1.0, 1 / puma.gear_ratio[axis]), puma)
+    assert "motor" in refusal.value.readings
 
 
 def test_without_friction_in_the_file_a_motor_side_torque_needs_more(puma):

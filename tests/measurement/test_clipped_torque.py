@@ -49,9 +49,9 @@ def test_a_joint_at_rest_hides_no_limit_of_its_motion():
 def test_it_is_a_restriction_of_discovery():
     found = split(load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm"))
     robot = load_robot("config/robots/puma560.yaml")
-    assert not any("at its limit" in words for words in checked(found, robot)[1])
+    assert not any("at its limit" in words for words in checked(found, robot).restrictions)
     limit = np.quantile(np.abs(found.torque), 0.97, axis=0)
-    told = checked(replace(found, torque=np.clip(found.torque, -limit, limit)), robot)[1]
+    told = checked(replace(found, torque=np.clip(found.torque, -limit, limit)), robot).restrictions
     assert sum("at its limit" in words for words in told) >= 5
 
 

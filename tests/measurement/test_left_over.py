@@ -26,7 +26,7 @@ def test_a_file_with_a_body_along_another_direction_is_told_with_its_share(puma,
     """Sign, order and quarter turns explain none of it: it was accepted without a word."""
     arm = puma.links[1]
     wrong = replace(puma, links=(puma.links[0], replace(arm, com=arm.com[[1, 2, 0]]), *puma.links[2:]))
-    _, told = checked(recording, wrong)
+    told = checked(recording, wrong).restrictions
     (words,) = [line for line in told if "leaves" in line]
     assert "of the squared torque of joint 2" in words
     assert "another arm" in words
@@ -47,9 +47,9 @@ def test_noise_from_sample_to_sample_is_not_laid_to_the_file(puma, recording):
 
 def test_a_zero_some_degrees_off_is_told_before_the_run(puma, recording):
     off = replace(recording, position=recording.position + np.radians([0, 20, 0, 0, 0, 0]))
-    _, told = checked(off, puma)
+    told = checked(off, puma).restrictions
     (words,) = [line for line in told if "another zero" in line]
     assert "joint 2" in words
     assert "add -" in words
-    _, right = checked(recording, puma)
+    right = checked(recording, puma).restrictions
     assert not any("another zero" in line for line in right)

@@ -142,7 +142,8 @@ def test_discovery_tells_spikes_and_jumps_where_they_were_recorded():
     found = split(load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm"))
     torque, position = found.torque.copy(), found.position.copy()
     torque[700, 1], position[900, 2] = 5e3, position[900, 2] + 2.0
-    measured, told = checked(replace(found, torque=torque, position=position), load_robot("config/robots/puma560.yaml"))
+    read = checked(replace(found, torque=torque, position=position), load_robot("config/robots/puma560.yaml"))
+    measured, told = read.measured, read.restrictions
     assert list(np.argwhere(measured.spiked)[0]) == [700, 1]
     assert list(np.argwhere(measured.jumped)[0]) == [900, 2]
     words = [line for line in told if "left out" in line]

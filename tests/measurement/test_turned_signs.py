@@ -9,7 +9,7 @@ from discovery_cases import make_case
 
 from jointwear.discovery.preflight import _passed
 from jointwear.measurement.checks.axes_check import check_axes
-from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.checked import Checked, checked
 from jointwear.measurement.checks.turned_signs import IN_DOUBT, TOLD, in_doubt, likeliest_signs, needed_signs
 from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.refused import Refused
@@ -66,7 +66,7 @@ def spring(q, *_):
 
 
 def test_no_sign_is_in_doubt_where_all_are_right(quad, clean):
-    assert not any(IN_DOUBT in line for line in checked(clean, quad)[1])
+    assert not any(IN_DOUBT in line for line in checked(clean, quad).restrictions)
 
 
 def test_a_shoulder_turned_around_is_no_torque_without_gravity(quad, clean):
@@ -85,7 +85,7 @@ def test_joints_turned_around_together_are_told_beside_another_mounting(quad, cl
 def test_a_base_turned_around_is_told(quad, clean):
     """It mirrors the arm, and what it couples tells alone."""
     try:
-        told = checked(turned(clean, [0]), quad)[1]
+        told = checked(turned(clean, [0]), quad).restrictions
     except Refused as refused:
         told = [str(refused)]
     assert any("joint 1 " in line and "'sign' with -1" in line for line in told)
@@ -103,9 +103,10 @@ def test_torques_that_all_are_turned_are_told_together(quad, hidden):
 
 
 def test_signs_in_doubt_are_not_said_to_be_tried_and_worse(quad):
-    doubt = [f"{IN_DOUBT}, joint 4 would fit the model a little better"]
-    assert any("no other sign" in line for line in _passed(quad, "rad", []))
-    assert not any("sign" in line for line in _passed(quad, "rad", doubt))
+    sure = Checked(measured=None, restrictions=[], axes_asked=True, signs_sure=True, zero_told=False)
+    assert any("no other sign" in line for line in _passed(quad, "rad", sure))
+    assert not any("sign" in line for line in _passed(quad, "rad", replace(sure, signs_sure=False)))
+    assert not any("axes" in line for line in _passed(quad, "rad", replace(sure, axes_asked=False)))
 
 
 def nats_of(best, each):

@@ -42,7 +42,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.discovery.undecided import NUMERICAL, reason
 from jointwear.discovery.verdict import NONE, UNKNOWN, Verdict
 from jointwear.files.errors import InputError
-from jointwear.measurement.checks.other_zero import ANOTHER_ZERO, zero_in_words
+from jointwear.measurement.checks.other_zero import zero_in_words
 from jointwear.measurement.checks.silent_joints import moving_torques
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.robot import Robot
@@ -144,10 +144,11 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     ------
     Refused : an InputError with a suggestion, where the recording cannot belong to the robot as it stands.
     """
-    recording, problem, restrictions = pose_problem(split(recording), robot, settings or Settings())
+    posed = pose_problem(split(recording), robot, settings or Settings())
+    recording, problem, restrictions = posed.recording, posed.problem, posed.restrictions
     try:
         log, outcome, told = _read_in_time(recording, whitened(problem))
-        return _judge(log, outcome, [*restrictions, *told])
+        return _judge(log, outcome, [*restrictions, *told], posed.checked.zero_told)
     except InputError:
         raise
     except NUMERICAL as error:
@@ -184,13 +185,13 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
     return log, outcome, [words] if read else []
 
 
-def _judge(recording: Recording, found: Outcome, restrictions: list[str]) -> Discovery:
+def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_told: bool) -> Discovery:
     outcome = with_kept_sizes(repeat(search_beside(found), found.problem))
     problem = outcome.problem
     outcome.unexplained = lasting(outcome) or rocking(outcome)
     if outcome.force is not None and outcome.unexplained:
         restrictions = [*restrictions, force_in_words(outcome.force)]
-    elif outcome.unexplained and not outcome.named and not any(ANOTHER_ZERO in line for line in restrictions):
+    elif outcome.unexplained and not outcome.named and not zero_told:
         restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
     restrictions = [*restrictions, *swing_in_words(outcome.unexplained), *links_in_words(outcome)]
     final, files, torques = sound_files(problem, outcome)

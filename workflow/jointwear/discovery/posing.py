@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.restrictions import motion_restrictions
 from jointwear.discovery.problem.unknown_inertia import build_with_motors
 from jointwear.discovery.search.repeatability import check_groups
 from jointwear.discovery.settings import Settings
 from jointwear.measurement.behind_gears import felt_robot
-from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.checked import Checked, checked
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.shortened import shortened
 from jointwear.robots.robot import Robot
 
 
-def pose_problem(recording: Recording, robot: Robot, settings: Settings) -> tuple[Recording, Problem, list[str]]:
-    """Return what is read of a recording, the problem that it poses, and in words what it cannot show.
+@dataclass(frozen=True)
+class Posed:
+    """What is read of a recording, the problem that it poses, what was checked, and in words what it cannot show."""
+
+    recording: Recording
+    problem: Problem
+    checked: Checked
+    restrictions: list[str]
+
+
+def pose_problem(recording: Recording, robot: Robot, settings: Settings) -> Posed:
+    """Return the problem that a recording poses.
 
     Parameters
     ----------
@@ -28,7 +40,7 @@ def pose_problem(recording: Recording, robot: Robot, settings: Settings) -> tupl
     check_groups(recording, settings.groups)
     recording, left_out = shortened(recording, keep_all=bool(settings.groups))
     robot, set_aside = felt_robot(recording, robot)
-    measured, restrictions = checked(recording, robot)
-    problem = build_with_motors(recording, robot, settings, measured)
+    read = checked(recording, robot)
+    problem = build_with_motors(recording, robot, settings, read.measured)
     of_motion = motion_restrictions(problem, recording.units.get("time", "s"))
-    return recording, problem, [*restrictions, *set_aside, *left_out, *of_motion]
+    return Posed(recording, problem, read, [*read.restrictions, *set_aside, *left_out, *of_motion])

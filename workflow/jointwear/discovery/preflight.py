@@ -7,7 +7,7 @@ of what discovery will find.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -28,8 +28,7 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
-from jointwear.measurement.checks.checked import UNASKED
-from jointwear.measurement.checks.turned_signs import IN_DOUBT
+from jointwear.measurement.checks.checked import Checked
 from jointwear.measurement.derived.even_steps import step_of
 from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
@@ -129,7 +128,8 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     Refused : an InputError with a suggestion, as discovery itself would.
     """
     whole = split(recording)
-    recording, problem, restrictions = pose_problem(whole, robot, settings or Settings())
+    posed = pose_problem(whole, robot, settings or Settings())
+    recording, problem, restrictions = posed.recording, posed.problem, list(posed.restrictions)
     try:
         noise, shown, not_shown, pairs = _shown(problem)
     except NUMERICAL as error:
@@ -145,7 +145,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         encoder_side=recording.encoder_side,
         trajectories=tuple(_trajectories(whole)),
         joints=tuple(joints),
-        passed=tuple(_passed(robot, recording.units.get("position") or "rad", restrictions)),
+        passed=tuple(_passed(robot, recording.units.get("position") or "rad", posed.checked)),
         restrictions=tuple(restrictions),
         shown=tuple(shown),
         not_shown=tuple(_once(not_shown, problem)),
@@ -154,13 +154,13 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     )
 
 
-def _passed(robot: Robot, unit: str, restrictions: Sequence[str]) -> Iterator[str]:
+def _passed(robot: Robot, unit: str, checked: Checked) -> Iterator[str]:
     """Yield in words what was checked of a recording, with positions in `unit`, that is not refused."""
     yield f"{robot.joints} joints, as the robot"
     read_as = spelled("position", unit)
     yield f"positions are in {POSITION_WORDS.get(read_as, read_as)}"
-    if UNASKED not in restrictions:
-        sign = "" if any(line.startswith(IN_DOUBT) for line in restrictions) else "sign, "
+    if checked.axes_asked:
+        sign = "sign, " if checked.signs_sure else ""
         yield f"no other {sign}order or side of the axes, nor a zero a quarter turn off, fits the model clearly better"
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from jointwear.files.errors import InputError
 
 #: Samples of a joint in motion below which it is not asked: a few parameters are fitted to them.
@@ -15,11 +17,12 @@ class Refused(InputError):
     ----------
     suggestion : what to mend, in words. by_keys : it names keys of the configuration or of the robot file, which hold
         for all logs of a robot: where others are right, such a key would spoil them.
+    readings : kinds of the readings of the axes that would be right, the likeliest first; empty where it is no reading.
     """
 
-    def __init__(self, reason: str, suggestion: str, by_keys: bool = False) -> None:
+    def __init__(self, reason: str, suggestion: str, by_keys: bool = False, readings: Sequence[str] = ()) -> None:
         super().__init__(reason)
-        self.reason, self.suggestion, self.by_keys = reason, suggestion, by_keys
+        self.reason, self.suggestion, self.by_keys, self.readings = reason, suggestion, by_keys, tuple(readings)
 
 
 def what_mends(error: InputError) -> str:

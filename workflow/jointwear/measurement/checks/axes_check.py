@@ -390,13 +390,14 @@ def _refusal(
         if lead > nats + favours(reading, robot):
             reading, also, remains = scaled, [], left
     if reading.kind == "unit" and (of_all := _unit_of_all(dynamics, parts, usable, reading, remains, stated)):
-        return Refused(f"{name}: {of_all[0]}", of_all[1], by_keys=True)
+        return Refused(f"{name}: {of_all[0]}", of_all[1], by_keys=True, readings=[reading.kind])
     others = "".join(f"; or {r.reason}" for r in also)
     remedies = "".join(f"; or {r.remedy_beside(stated)}" for r in also)
     too_much, another = even_so(remains, robot)
     why = f"{_WHY[reading.kind]}{others}{too_much}"
-    by_keys = any(r.by_keys for r in (reading, *also))
-    return Refused(f"{name}: {reading.reason}{why}", f"{reading.remedy_beside(stated)}{remedies}{another}", by_keys)
+    by_keys, kinds = any(r.by_keys for r in (reading, *also)), [r.kind for r in (reading, *also)]
+    remedy = f"{reading.remedy_beside(stated)}{remedies}{another}"
+    return Refused(f"{name}: {reading.reason}{why}", remedy, by_keys, kinds)
 
 
 def _unit_of_all(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from jointwear.measurement.checks.axes_check import RIGHT, signs_in_doubt, signs_of
 from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.clipped_torque import clipped_torques
@@ -31,8 +33,26 @@ from jointwear.robots.robot import Robot
 UNASKED = "too little motion to tell whether sign, order, zero and side of the axes are those of the robot"
 
 
-def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
-    """Return what :func:`~.motion.measure` makes of a recording, and restrictions in words.
+@dataclass(frozen=True)
+class Checked:
+    """A recording that is not refused.
+
+    Attributes
+    ----------
+    measured : what :func:`~.motion.measure` makes of it. restrictions : what it cannot show, in words.
+    axes_asked : whether there was enough motion to ask how its axes are read. signs_sure : whether no other signs would
+        fit a little better. zero_told : whether the restrictions tell a joint that counts from another zero.
+    """
+
+    measured: Measured
+    restrictions: list[str]
+    axes_asked: bool
+    signs_sure: bool
+    zero_told: bool
+
+
+def checked(recording: Recording, robot: Robot) -> Checked:
+    """Return a recording with its derivatives and restrictions.
 
     Raises
     ------
@@ -59,13 +79,14 @@ def checked(recording: Recording, robot: Robot) -> tuple[Measured, list[str]]:
     check_mounting(name, robot, thin.parts, thin.usable, stated)
     check_time_scale(name, robot, thin.parts, thin.usable)
     signs = signs_of(robot, measured)
-    if not check_axes_and_zero(name, robot, measured, stated, signs):
-        restrictions.append(UNASKED)
-    restrictions += signs_in_doubt(robot, measured, signs, stated)
+    axes_asked = check_axes_and_zero(name, robot, measured, stated, signs)
+    doubts = signs_in_doubt(robot, measured, signs, stated)
+    restrictions += [*([] if axes_asked else [UNASKED]), *doubts]
     check_scale_of_one(factors)
     check_model_size(measured, robot, name, behind_gears=recording.torque_kind == "link_sensor")
     check_follows(measured, robot, name)
     # Parameters that are somewhat wrong leave no more than a right file does: nothing asks for another zero then.
-    restrictions += zero_in_words(measured, robot, RIGHT) or left_in_words(measured, robot)
-    restrictions += check_delay(measured, robot, name)
-    return measured, [*restrictions, *clipped_torques(recording)]
+    zero = zero_in_words(measured, robot, RIGHT)
+    restrictions += zero or left_in_words(measured, robot)
+    restrictions += [*check_delay(measured, robot, name), *clipped_torques(recording)]
+    return Checked(measured, restrictions, axes_asked, not doubts, bool(zero))

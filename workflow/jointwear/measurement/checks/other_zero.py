@@ -19,8 +19,6 @@ from jointwear.measurement.stated import Stated
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
-#: What its words hold.
-ANOTHER_ZERO = "counted from another zero"
 #: Largest angle [rad] that is looked for, half of the step to the next convention, and how closely it is found.
 LARGEST, CLOSELY = 0.25 * np.pi, np.radians(0.1)
 
@@ -80,4 +78,5 @@ def check_axes_and_zero(
         reading = other_zero(measured, robot)
         if reading is None:
             raise
-        raise Refused(f"{name}: {reading.reason}; from there it fits the model", reading.remedy, by_keys=True) from None
+        reason = f"{name}: {reading.reason}; from there it fits the model"
+        raise Refused(reason, reading.remedy, by_keys=True, readings=[reading.kind]) from None

@@ -73,7 +73,7 @@ def check_readings(
         lighter = without_load(measured, robot)
         # What a load does to the torques of a light arm looks like other axes too; without it nothing is left to mend.
         saved = loaded and lighter is not None and wrong_scale(thinned(lighter), robot) is None
-        if scale is not None and not saved and "motor" not in refusal.reason:
+        if scale is not None and not saved and "motor" not in refusal.readings:
             raise Refused(f"{name}: {scale.reason}", scale.remedy, by_keys=True) from None
         if lighter is None:
             raise

@@ -159,7 +159,7 @@ def _as_discovery(measured: Measured, robot: Robot, name: str, against: Measured
         check_recording(recording, robot)
     except Refused as refusal:
         told = str(refusal).replace(f"data set '{name}'", name, 1)
-        raise Refused(told, refusal.suggestion, refusal.by_keys) from None
+        raise Refused(told, refusal.suggestion, refusal.by_keys, refusal.readings) from None
     check_axes_and_zero(name, robot, against, stated)
 
 
