@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.effects.state import State
+from jointwear.effects.bristle import travel_since_reversal
+from jointwear.effects.state import State, record_slices
 from jointwear.effects.tables import hats, knots_of
 from jointwear.effects.temperature import SMALLEST_SPREAD
 
 #: Knots over each argument of the axis: a structure that matters to a simulation is a few knots wide. Temperature has
 #: few, since it passes through each value once or twice in a record.
-KNOTS = {"position": 16, "velocity": 16, "acceleration": 12, "torque": 14, "load": 10, "temperature": 5}
+KNOTS = {"position": 16, "velocity": 16, "acceleration": 12, "torque": 14, "load": 10, "temperature": 5, "travel": 10}
 #: Knots over position and velocity of another joint, of which there are many.
 KNOTS_OF_OTHERS = {"position": 7, "velocity": 8}
 #: Fewest knots of the saturated fit.
@@ -22,6 +23,8 @@ FEWEST_KNOTS = 4
 TIME_BIN, FRICTION_BIN = 1.5, 5.0
 #: Waves of a motor turn: magnets, slots, gear teeth and bearings of usual drives lie below.
 ORDERS = 12
+#: Argument of friction by how far a joint has gone since it last turned round.
+SINCE_REVERSAL = "travel since reversal x direction"
 #: Travel [rad] below which a joint counts as still.
 STILL = 1e-6
 
@@ -96,6 +99,12 @@ def axis_bases(
             pair = np.stack([x * y, x * x * y, x * y * y], axis=1)
             found.append(Basis(f"position x position of joint {other + 1}", "rad", pair, p))
     if not coarse:
+        travel = _travel(state, axis)
+        turned = np.isfinite(travel)
+        if (usable & turned).any():
+            columns = hats(travel, knots_of(travel[usable & turned], KNOTS["travel"]))
+            columns = np.where(turned[:, None], columns * s[:, None], 0.0)
+            found.append(Basis(SINCE_REVERSAL, "rad", columns, np.nan_to_num(travel, nan=np.nanmax(travel))))
         angle = state.drive.gear_ratio[axis] * q
         # Waves of higher orders are powers of the first.
         waves = np.multiply.accumulate(np.broadcast_to(np.exp(1j * angle), (ORDERS, len(angle))), axis=0)
@@ -104,6 +113,12 @@ def axis_bases(
         columns = np.concatenate([waves.imag, waves.real]).T
         found.append(Basis("motor angle", "rad", columns, np.mod(angle, 2 * np.pi)))
     return found
+
+
+def _travel(state: State, axis: int) -> np.ndarray:
+    """Return how far one axis has gone since it last turned round (N,) [rad], NaN before that."""
+    place, way = state.position[:, axis], state.direction[:, axis]
+    return np.concatenate([travel_since_reversal(place[part], way[part]) for part in record_slices(state)])
 
 
 def _unit(x: np.ndarray) -> np.ndarray:

@@ -39,6 +39,21 @@ def bristle(position, direction, distance, spring=0, start=1):
     return z
 
 
+def travel_since_reversal(position, direction):
+    """Return how far a joint has gone from where it last turned round, along one record, shape (m,), NaN before that.
+
+    A joint at rest holds it.
+    """
+    moving = np.flatnonzero(direction)
+    travel = np.full(len(position), np.nan)
+    turns = np.flatnonzero(np.diff(direction[moving])) + 1
+    if not len(turns):
+        return travel
+    origin = position[moving[turns] - 1]
+    latest = np.searchsorted(moving[turns], np.arange(len(position)), side="right") - 1
+    return np.where(latest >= 0, np.abs(position - origin[np.maximum(latest, 0)]), travel)
+
+
 def relaxing_bristle(position, time, distance, relaxation, start=1):
     """Return the state z in [-1, 1] of friction along one record whose spring creeps too, as seals do, shape (m,).
 
