@@ -20,12 +20,16 @@ from jointwear.discovery.problem.candidates import build_dictionary
 from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.decide import decide
+from jointwear.discovery.search.given_up import telling_names_given_up
 from jointwear.discovery.search.searches import explains_shaking, whitened
 from jointwear.discovery.search.slow_noise import beside_slow_noise
 from jointwear.effects import Effect, get_effect
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.inertia import wind_up_regressor
 from jointwear.robots.robot import Robot, body_content, with_payload
+
+#: Gate that a name misses for which the load of the body stands.
+GATE = "nats beside the body in its load"
 
 
 def carrying(outcome: Outcome) -> Problem | None:
@@ -85,4 +89,4 @@ def search_beside(found: Outcome) -> Outcome:
     if loaded.still and not explains_shaking(outcome):
         # What spoke against noise that moves the arm was the body's.
         outcome = beside_slow_noise(whitened(replace(loaded, still=False)), ask)
-    return outcome
+    return telling_names_given_up(found, outcome, GATE)

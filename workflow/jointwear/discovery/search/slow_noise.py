@@ -34,10 +34,13 @@ from jointwear.discovery.noise.noise_spectrum import (
     steadied,
 )
 from jointwear.discovery.problem.whitening import White, whiten
+from jointwear.discovery.search.given_up import telling_names_given_up
 from jointwear.discovery.search.leftovers import LINE
 from jointwear.discovery.search.standing_alone import structure_terms
 from jointwear.discovery.search.tolerance import with_tolerances
 
+#: Gate that a name misses where slow noise stands for it.
+GATE = "nats beside slow noise"
 #: How often the search is run again at most: each time less is held beside the noise.
 ROUNDS = 3
 #: Price of an order of the noise model, none: slow noise beside white noise has a long tail of small coefficients,
@@ -64,7 +67,7 @@ def beside_slow_noise(white: White, ask: Callable[[White], Outcome]) -> Outcome:
         named = {n.candidate.key for n in again.named}
         if not strong <= named or outcome.unsteady & named:
             break
-        outcome = again
+        outcome = telling_names_given_up(outcome, again, GATE)
     return outcome
 
 
