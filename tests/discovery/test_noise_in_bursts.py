@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.held_out import _noise_in_bursts, _without_bursts
-from jointwear.discovery.noise.bursts import FEWEST_CHANGES, heaviest_noise, loudest_share, rings
+from jointwear.discovery.held_out import Ringing, _noise_in_bursts, _without_bursts
+from jointwear.discovery.noise.bursts import FEWEST_CHANGES, heaviest_noise, loudest_share, rings, struck_together
 from jointwear.discovery.presentation.page import heading, lead
+from jointwear.discovery.settings import Settings
 from jointwear.discovery.verdict import Gap
 
 RATE, COUNT = 250.0, 6000
@@ -60,6 +61,48 @@ def test_neither_a_large_noise_nor_small_bursts_ring(rng, motion):
     assert not rings(3.5, 3.5 * rng.normal(size=COUNT) * np.sin(np.arange(COUNT) / 50.0), motion, ALL, ONE)
 
 
+def together(left):
+    sizes = np.abs(np.random.default_rng(1).normal(size=(*left.shape, 3)))
+    return struck_together(left, np.ones(left.shape, bool), ONE, sizes, range(left.shape[1]), Settings())
+
+
+def struck(rng, instants, joints):
+    """Return normal noise of joints that something strikes at some instants, each as hard as eight times the noise."""
+    left = rng.normal(size=(COUNT, joints))
+    left[instants] += 8.0 * rng.choice([-1.0, 1.0], size=(len(instants), joints))
+    return left
+
+
+def test_small_bursts_of_several_joints_at_the_same_instants_are_no_noise(rng):
+    blows = rng.choice(COUNT, 150, replace=False)
+    left = np.concatenate([struck(rng, blows, 2), rng.normal(size=(COUNT, 1))], axis=1)
+    assert together(left) == {0: (1,), 1: (0,)}
+
+
+def test_sensors_with_heavy_tails_are_loud_each_by_itself(rng):
+    assert together(rng.standard_t(3, size=(COUNT, 4))) == {}
+    alone = [struck(rng, rng.choice(COUNT, 150, replace=False), 1) for _ in range(2)]
+    assert together(np.concatenate(alone, axis=1)) == {}
+
+
+def test_normal_noise_that_joints_share_is_noise(rng):
+    """What is derived from one encoder is in the torques of all joints."""
+    shared = rng.normal(size=(COUNT, 1)) @ np.array([[1.0, 0.7, -0.4]])
+    assert together(shared + 0.2 * rng.normal(size=shared.shape)) == {}
+    swings = np.abs(np.sin(np.arange(COUNT) / 80.0))[:, None]
+    left = shared * swings
+    assert struck_together(left, np.ones(left.shape, bool), ONE, np.stack([swings] * 3, 1), range(3), Settings()) == {}
+
+
+@pytest.mark.parametrize("few", [0, 1, 50])
+def test_of_few_samples_nothing_is_struck(rng, few):
+    left = struck(rng, np.arange(0, COUNT, 40), 2)
+    usable = np.zeros(left.shape, bool)
+    usable[:few] = True
+    assert struck_together(left, usable, ONE, np.ones((COUNT, 2, 1)), range(2), Settings()) == {}
+    assert struck_together(np.zeros((COUNT, 2)), ~usable, ONE, np.ones((COUNT, 2, 1)), range(2), Settings()) == {}
+
+
 def test_few_samples_say_nothing(rng, motion):
     few = np.arange(COUNT) < FEWEST_CHANGES
     assert not rings(2.4, 2.4 * ringing(rng), motion, few, ONE)
@@ -73,14 +116,39 @@ def test_a_floor_of_ringing_is_what_is_left_and_told_once(rng, motion):
     torque = np.repeat((motion + left)[:, None], 4, axis=1)
     torque[:, 3] = motion + 0.01 * left
     model = np.repeat(motion[:, None], 4, axis=1)
-    measured = SimpleNamespace(torque=torque, usable=np.ones(torque.shape, dtype=bool), trajectory=ONE)
+    still = np.zeros(torque.shape)
+    measured = SimpleNamespace(
+        torque=torque, usable=np.ones(torque.shape, bool), trajectory=ONE, velocity=still, acceleration=still
+    )
     gap = Gap((9.0,) * 4, (9.0,) * 4, (2.2, 2.2, 2.2, 0.024), (2.4, 2.4, None, 0.024))
-    told, ringing_joints = _without_bursts(SimpleNamespace(measured=measured), model, gap, {1})
+    problem = SimpleNamespace(measured=measured, settings=Settings())
+    told, ringing_joints = _without_bursts(problem, model, gap, {1})
     assert told.noise_floor == (2.2, 2.4, None, 0.024)
-    assert ringing_joints == {1: 2.4}
+    assert ringing_joints == {1: Ringing(2.4)}
     (words,) = _noise_in_bursts(ringing_joints)
     assert words.startswith("joint 1: what looks like noise there, 2.4 N m, hides the torque")
     assert "lost motion in the gear" in words
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.2, {1: (3,), 3: (1,)}), (0.02, {})])
+def test_joints_that_are_struck_together_are_told_where_it_matters(rng, motion, share, told):
+    """Beside the second nothing is asked: that more than noise is left there is said already."""
+    noise = share * np.std(motion)
+    left = noise * struck(rng, rng.choice(COUNT, 150, replace=False), 3)
+    model = np.repeat(motion[:, None], 3, axis=1)
+    measured = SimpleNamespace(
+        torque=model + left,
+        usable=np.ones(left.shape, bool),
+        trajectory=ONE,
+        velocity=rng.normal(size=left.shape),
+        acceleration=rng.normal(size=left.shape),
+    )
+    gap = Gap((9.0,) * 3, (9.0,) * 3, (noise,) * 3, (noise,) * 3)
+    problem = SimpleNamespace(measured=measured, settings=Settings())
+    _, found = _without_bursts(problem, model, gap, {1})
+    assert {axis: one.beside for axis, one in found.items()} == told
+    for words in _noise_in_bursts(found):
+        assert "comes in bursts, at the same instants as on joint" in words
 
 
 def test_a_page_says_that_a_joint_rings_and_not_that_data_are_coarse():

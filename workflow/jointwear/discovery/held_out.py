@@ -13,7 +13,7 @@ import numpy as np
 
 from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.model.noise_floor import floor_with_names
-from jointwear.discovery.noise.bursts import rings
+from jointwear.discovery.noise.bursts import rings, struck_together
 from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.trajectories_apart import (
     disagreement,
@@ -33,13 +33,24 @@ ABOVE_ALL = 2.0
 
 
 @dataclass(frozen=True)
+class Ringing:
+    """Noise [N m] of an axis that comes in bursts, and the axes, from 1, that have theirs at the same instants.
+
+    Where none has it hides the torque.
+    """
+
+    noise: float
+    beside: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
 class HeldOut:
     """What the test trajectories say of the files that were written; axes count from 1.
 
     Attributes
     ----------
     gap : RMS errors, with a noise floor that is told. unsure : axis -> estimate of its noise [N m] that was too high.
-    ringing : axis -> noise [N m] that comes in bursts. above : axes whose error stays above the noise.
+    ringing : axis -> what comes in bursts there. above : axes whose error stays above the noise.
     alone : axes without a name that disagree here alone. trained : likewise, in the training trajectories alone.
     suspected : axes above the noise on which an effect is only suspected.
     to_the_noise : whether the error is near the floor on every axis that has both.
@@ -47,7 +58,7 @@ class HeldOut:
 
     gap: Gap
     unsure: Mapping[int, float]
-    ringing: Mapping[int, float]
+    ringing: Mapping[int, Ringing]
     above: tuple[AboveNoise, ...]
     alone: tuple[int, ...]
     trained: tuple[int, ...]
@@ -146,8 +157,8 @@ def _noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
 
 def _without_bursts(
     problem: Problem, model: np.ndarray, gap: Gap, explained: Collection[int]
-) -> tuple[Gap, dict[int, float]]:
-    """Return the gap with a floor that no joint rings above, and of which axes, from 1, the noise [N m] was ringing.
+) -> tuple[Gap, dict[int, Ringing]]:
+    """Return the gap with a floor that no joint rings above, and of which axes, from 1, the noise was ringing.
 
     Parameters
     ----------
@@ -155,21 +166,40 @@ def _without_bursts(
         than noise is left.
     """
     measured, floor, ringing = problem.measured, list(gap.noise_floor), {}
-    for axis, noise in enumerate(gap.noise_floor):
-        if noise is None or axis in explained:
-            continue
-        torque, usable = measured.torque[:, axis], measured.usable[:, axis]
-        if rings(noise, torque - model[:, axis], torque, usable, measured.trajectory):
-            left = gap.augmented[axis]
-            floor[axis], ringing[axis + 1] = noise if left is None else min(noise, left), noise
+    asked = [axis for axis, noise in enumerate(floor) if noise is not None and axis not in explained]
+    together = _together(problem, model, [axis for axis in asked if _matters(problem, axis, floor[axis])])
+    for axis in asked:
+        noise, torque, usable = floor[axis], measured.torque[:, axis], measured.usable[:, axis]
+        hides = rings(noise, torque - model[:, axis], torque, usable, measured.trajectory)
+        if hides or axis in together:
+            left, beside = gap.augmented[axis], () if hides else tuple(other + 1 for other in together[axis])
+            floor[axis], ringing[axis + 1] = noise if left is None else min(noise, left), Ringing(noise, beside)
     return replace(gap, noise_floor=tuple(floor)), ringing
 
 
-def _noise_in_bursts(ringing: Mapping[int, float]) -> Iterable[str]:
+def _matters(problem: Problem, axis: int, noise: float) -> bool:
+    """Return whether noise [N m] is more of the torque of an axis than any form is known to."""
+    torque = problem.measured.torque[problem.measured.usable[:, axis], axis]
+    return bool(len(torque)) and noise > problem.settings.form_error * float(np.std(torque))
+
+
+def _together(problem: Problem, model: np.ndarray, axes: Collection[int]) -> dict[int, tuple[int, ...]]:
+    measured = problem.measured
+    if len(axes) < 2:
+        return {}
+    sizes = np.abs(np.stack([measured.velocity, measured.acceleration, measured.torque], axis=-1))
+    left = measured.torque - model
+    return struck_together(left, measured.usable, measured.trajectory, sizes, axes, problem.settings)
+
+
+def _noise_in_bursts(ringing: Mapping[int, Ringing]) -> Iterable[str]:
     """Yield in words of which axes what was taken for noise is ringing."""
-    for axis, noise in ringing.items():
+    for axis, found in ringing.items():
+        bursts = "hides the torque and comes in bursts"
+        if found.beside:
+            bursts = f"comes in bursts, at the same instants as on {numbered('joint', found.beside)}"
         yield (
-            f"joint {axis}: what looks like noise there, {noise:.2g} N m, hides the torque and comes in bursts, which "
+            f"joint {axis}: what looks like noise there, {found.noise:.2g} N m, {bursts}, which "
             "no sensor's noise does; lost motion in the gear behind the encoder of the motor rings like "
             "that, or a resonance that motion excites, or the torque signal is poor: what the model lacks there cannot "
             "be told; compare motor and link with a second encoder, or look at the raw torque"

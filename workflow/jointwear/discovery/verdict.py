@@ -272,7 +272,7 @@ class Verdict:
     misfits : optimisers that ended at their start or on a bound, in words; an entry is a reason for doubt.
     noise_untold : the axes of which the noise floor is not known: too few samples lie between reversals (the floor is
         None, and nothing is named), or its estimate holds what the model lacked or comes in bursts that hide the
-        torque (the floor is no more than the held-out error).
+        torque or strike several joints at once (the floor is no more than the held-out error).
     rings : those of them whose noise comes in bursts.
     bodies : that would explain corrected link masses.
     builds_up : joints whose friction builds up with the speed, which was put right before anything was asked.

@@ -3,14 +3,19 @@
 A gear with lost motion, or a drive that resonates, rings each time something excites it. Between two turns of the load
 it is quiet. Behind the encoder of the motor no effect of the library describes that, the saturated fit leaves it, and
 an autoregressive model of what is left calls it coloured noise. Noise of a sensor is there all the time: what its size
-is depends on load and speed at most.
+is depends on load and speed at most. Sensors with heavy tails are loud now and then too, but each by itself: what
+strikes the arm strikes several joints at the same instants.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 import numpy as np
+from scipy.stats import hypergeom
+
+from jointwear.discovery.settings import Settings
 
 #: Share of the changes from sample to sample that are the loudest: one in twenty.
 LOUDEST = 0.05
@@ -31,11 +36,18 @@ def loudest_share(residual: np.ndarray, usable: np.ndarray, record: np.ndarray) 
     residual : (N,) [N m] what a model leaves of the torque of one axis. usable : (N,) samples that can be judged.
         record : (N,) label of each sample.
     """
-    both = usable[1:] & usable[:-1] & (np.diff(record) == 0)
-    power = np.sort(np.diff(residual)[both] ** 2)
-    if len(power) < FEWEST_CHANGES or power[-1] <= 0.0:
+    return _share_of(np.diff(residual)[_follow(usable, record)] ** 2)
+
+
+def _follow(usable: np.ndarray, record: np.ndarray) -> np.ndarray:
+    """Return which samples (N - 1,) but the first follow one of their record, both of which can be judged."""
+    return usable[1:] & usable[:-1] & (np.diff(record) == 0)
+
+
+def _share_of(power: np.ndarray) -> float:
+    if len(power) < FEWEST_CHANGES or power.max() <= 0.0:
         return 0.0
-    return float(power[-round(LOUDEST * len(power)) :].sum() / power.sum())
+    return float(np.sort(power)[-round(LOUDEST * len(power)) :].sum() / power.sum())
 
 
 def heaviest_noise() -> float:
@@ -62,3 +74,60 @@ def rings(floor: float, residual: np.ndarray, torque: np.ndarray, usable: np.nda
     if not usable.any() or floor <= HIDES * float(np.std(torque[usable])):
         return False
     return loudest_share(residual, usable, record) > heaviest_noise()
+
+
+def struck_together(
+    residual: np.ndarray,
+    usable: np.ndarray,
+    record: np.ndarray,
+    sizes: np.ndarray,
+    axes: Collection[int],
+    settings: Settings,
+) -> dict[int, tuple[int, ...]]:
+    """Return the axes whose noise comes in bursts at the same instants, each with the others that it shares them with.
+
+    The loudest twentieth of the changes of each holds more of their power than heavy noise has there, over the size
+    that speed, acceleration, torque and record make of them; and more of the loudest of two axes are the same than
+    chance allows (`Settings.unexplained_p`). Noise of derived accelerations is shared by joints and has no such tails.
+
+    Parameters
+    ----------
+    residual : (N, n) [N m] what a model leaves of the torques. usable : (N, n) samples that can be judged. record :
+        (N,) label of each sample. sizes : (N, n, k) on which the size of noise may depend. axes : those that are asked.
+    """
+    shape, bursts = (len(record) - 1, residual.shape[1]), []
+    power, follow = np.zeros(shape), np.zeros(shape, dtype=bool)
+    for axis in axes:
+        follow[:, axis] = _follow(usable[:, axis], record)
+        power[follow[:, axis], axis] = _of_one_size(
+            np.diff(residual[:, axis])[follow[:, axis]], record[1:][follow[:, axis]], sizes[1:, axis][follow[:, axis]]
+        )
+        if _share_of(power[follow[:, axis], axis]) > heaviest_noise():
+            bursts.append(axis)
+    found: dict[int, tuple[int, ...]] = {}
+    for axis in bursts:
+        others = [o for o in bursts if o != axis and _coincide(power[:, [axis, o]], follow[:, [axis, o]], settings)]
+        if others:
+            found[axis] = tuple(others)
+    return found
+
+
+def _of_one_size(changes: np.ndarray, record: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Return the power (m,) of changes (m,) over the size that their record and `sizes` (m, k) make of it."""
+    if len(changes) < FEWEST_CHANGES:
+        return np.zeros(len(changes))
+    records = record[:, None] == np.unique(record)
+    design = np.concatenate([records, sizes / np.maximum(sizes.std(axis=0), 1e-300)], axis=1)
+    square = changes**2
+    # A change of nothing, as of values that repeat, has no logarithm.
+    logarithm = np.log(square + 1e-12 * np.max(square, initial=1e-300))
+    return square / np.exp(design @ np.linalg.lstsq(design, logarithm, rcond=None)[0])
+
+
+def _coincide(power: np.ndarray, known: np.ndarray, settings: Settings) -> bool:
+    """Return whether more of the loudest changes of two axes (m, 2) are the same than chance allows."""
+    both = power[known.all(axis=1)]
+    count = round(LOUDEST * len(both))
+    loud = [set(np.argsort(column)[len(both) - count :].tolist()) for column in both.T]
+    same = len(loud[0] & loud[1])
+    return bool(hypergeom.sf(same - 1, len(both), count, count) < settings.unexplained_p)

@@ -146,7 +146,7 @@ def _nothing_told(content: Mapping[str, Any]) -> str:
             "nothing can be said there."
         )
     return (
-        f"On {_joints(content, _rings(content))} what looks like noise comes in bursts and hides the torque, "
+        f"On {_joints(content, _rings(content))} what looks like noise comes in bursts that no sensor makes, "
         "as lost motion in a gear, a resonance or a poor torque signal make it: what is missing there cannot be told."
     )
 
