@@ -10,6 +10,8 @@ from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.rigid_body import fault_of_inertia
 from jointwear.robots.robot import load_robot
 from jointwear.robots.robot_file import read_robot_file
+from jointwear.robots.rocking_base import RockingBase
+from jointwear.robots.urdf_links import urdf_with_links
 
 
 def link(name, mass="2.0", inertia='ixx="0.02" iyy="0.02" izz="0.01" ixy="0" iyz="0" ixz="0"', com="0 0 0.1"):
@@ -50,6 +52,20 @@ def test_a_sound_arm_is_read_and_built(tmp_path):
     arm = Dynamics(load_robot(write(tmp_path, ARM)))
     assert arm.robot.joint_names == ("shoulder", "elbow")
     assert sum(body.mass for body in arm.model.inertias) == pytest.approx(3.37)
+
+
+def test_a_fixed_joint_may_have_the_name_of_a_link(tmp_path):
+    """As in a gripper of example-robot-data; names of links and of joints are apart."""
+    found = []
+    for name in ("tool", "flange_to_tool"):
+        fixed = joint(name, "lower", "tool", "fixed", "").replace('<axis xyz="0 1 0"/>', '<origin xyz="0 0 0.3"/>')
+        arm = Dynamics(load_robot(write(tmp_path, [*ARM, link("tool"), fixed])))
+        motion = np.random.default_rng(4).normal(size=(3, 20, 2))
+        found.append((arm.rigid_body_torque(*motion), RockingBase(arm).moments(*motion), arm.torque_slopes(*motion)))
+        written = urdf_with_links(arm.robot, np.zeros(20))
+        assert written.count('name="tool"') == 1 + (name == "tool")
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other)
 
 
 @pytest.mark.parametrize("axis", ["1 0 0", "0 1 0", "0 0 1", "0 0 -1", "0 -1 0", "0 0 2", "1 -2 0.5", "-3e-6 0 0"])

@@ -34,8 +34,7 @@ class RockingBase:
         for way in across:
             joint = pin.JointModelRevoluteUnaligned(np.array(way))
             parent = base.addJoint(parent, joint, pin.SE3.Identity(), f"jointwear/rocks {parent}")
-        frame = pin.Frame("jointwear/rocking base", parent, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME)
-        self._model = pin.appendModel(base, dynamics.model, base.addFrame(frame), pin.SE3.Identity())
+        self._model = _put_on(base, parent, dynamics.model)
         self._model.gravity = dynamics.model.gravity
         self._model.armature = np.concatenate([np.zeros(WAYS), dynamics.robot.armature])
         self._pool = pin.ModelPool(self._model, 1)
@@ -66,6 +65,19 @@ class RockingBase:
         columns = [np.ascontiguousarray(x).T for x in (position, velocity, acceleration)]
         pin.rneaInParallel(1, self._pool, *columns, torque.T)
         return torque
+
+
+def _put_on(base: pin.Model, place: int, arm: pin.Model) -> pin.Model:
+    """Return a base with the joints and bodies of an arm on its joint `place`.
+
+    `pin.appendModel` takes frames along and finds them by name: a URDF may name a link as it names a fixed joint.
+    """
+    base.appendBodyToJoint(place, arm.inertias[0], pin.SE3.Identity())
+    for joint in range(1, arm.njoints):
+        parent = place + arm.parents[joint]
+        added = base.addJoint(parent, arm.joints[joint], arm.jointPlacements[joint], arm.names[joint])
+        base.appendBodyToJoint(added, arm.inertias[joint], pin.SE3.Identity())
+    return base
 
 
 def _on_base(joints: np.ndarray) -> np.ndarray:
