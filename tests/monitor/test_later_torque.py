@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from monitor_logs import LENGTH, ROOT, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
+from monitor_logs import LENGTH, ROOT, TASK, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
 
 from jointwear.measurement.checks.torque_scale import off_scale, shared_scale
 from jointwear.measurement.flags import Flag
@@ -80,6 +80,23 @@ def test_later_radians_where_degrees_are_stated_are_refused_and_an_arm_at_rest_i
     found = read(rest, first, **entry)
     assert found.refused == ()
     assert (found.statistics.count == 0).all()
+
+
+def hurried(log, times):
+    """A log in which all moves of another take so many times less, over and over."""
+    motion = TASK.motion((times * (log.time - log.time[0])) % (log.time[-1] - log.time[0]))
+    speed, change = times * motion.velocity, times**2 * motion.acceleration
+    return replace(log, position=motion.position, torque=model()(motion.position, speed, change).total)
+
+
+@pytest.mark.parametrize("times", [1.1, 1.2, 2.0])
+def test_fast_radians_that_are_above_the_dead_bands_now_and_then_are_refused_too(tmp_path, times):
+    """A robot that turned by 1.9 rad/s seemed to turn by 0.03, for 5 % of the time: nothing was said."""
+    log, entry = make_log(48.0, seed=11), {"units": {"position": "deg"}}
+    first = write_parquet(tmp_path / "first.parquet", columns(replace(log, position=np.degrees(log.position))))
+    fast = hurried(make_log(48.0, seed=12), times)
+    (refused,) = read(write_parquet(tmp_path / "rad.parquet", columns(fast)), first, **entry).refused
+    assert "they look like rad" in refused
 
 
 @pytest.mark.long

@@ -58,8 +58,9 @@ SAME_GROWTH = 0.7
 HARDLY, FAR_WORSE = 0.3, 1.5
 #: Share of the axes that move from which on none is judged.
 MOST_LOST = 0.5
-#: Share of the axes up to which a piece counts as one in which hardly anything moves.
-SLOW = 0.5
+#: Share of the axes up to which a piece counts as one in which hardly anything moves, and of its samples in which an
+#: axis that hardly moves is in motion: fast programs in radians read as degrees are, now and then.
+SLOW, SELDOM = 0.5, 0.1
 #: Factor for each power of ten by which the largest torque of a joint may lie off that power of the one in the first
 #: log: a wrist that a new program turns faster had 4.7 times the others'.
 AROUND = 2.5
@@ -142,7 +143,8 @@ class LaterCheck:
         nothing = np.where(stands, int(Flag.TORQUE_FROZEN), 0)
         # One value looks like a current, a torque of the motor, or one of another joint.
         measured = replace(measured, usable=measured.usable & ~stands)
-        if np.mean(measured.usable.sum(axis=0) >= FEWEST_OF_JOINT) <= SLOW:
+        moving = measured.usable.sum(axis=0)
+        if np.mean(moving >= max(FEWEST_OF_JOINT, SELDOM * len(measured.time))) <= SLOW:
             self._check_slow(chunk, stretch, motion)
         check_units(measured, self._dynamics.robot, self._name, chunk.units)
         check_derivatives(chunk, stretch, self._name)
@@ -175,6 +177,8 @@ class LaterCheck:
             return nothing
         if self._known is not None and np.nanmax(np.abs(self._last - self._known), initial=0.0) < SAME_GROWTH:
             return self._marks() | nothing
+        # Read as degrees, radians of one joint alone may explain most of what all of them do to the torque.
+        self._check_slow(chunk, stretch, motion)
         reading = self._read_otherwise(parts, usable, plain)
         if reading is not None and self._is_likelier(reading, parts, usable):
             self._everywhere |= whole and reading.several
@@ -195,8 +199,8 @@ class LaterCheck:
         return self._marks() | nothing
 
     def _check_slow(self, chunk: Chunk, stretch: np.ndarray, motion: Motion) -> None:
-        """Check that positions of a piece in which hardly a joint moves are not radians, stated as a smaller unit: most
-        radians read as degrees stay below every dead band.
+        """Check that positions are not radians, stated as a smaller unit: most radians read as degrees stay below every
+        dead band.
 
         Raises
         ------
