@@ -89,6 +89,23 @@ def test_units_in_the_names_of_columns(tmp_path, suffix):
     assert one(path, variables=lists, units={"torque": "N m"}).torque[0, 0] == 1000.0
 
 
+@pytest.mark.parametrize("named", [{}, {"torque": ["torque_1"], "time": "time"}])
+def test_a_column_with_its_unit_in_brackets_needs_no_other_name(tmp_path, named):
+    """Logs of one robot may come with units in their names and without, under one configuration."""
+    lines = ["time [ms],position_1 [deg],torque_1 (mNm)", "0,90,1000", "20,180,2000"]
+    chunk = one(write(tmp_path / "a.csv", lines), variables=named)
+    assert np.allclose(chunk.time, [0.0, 0.02])
+    assert np.allclose(chunk.position[:, 0], np.radians([90, 180]))
+    assert np.allclose(chunk.torque[:, 0], [1.0, 2.0])
+    # The name as it is goes before one with a unit, and of two with a unit none is taken.
+    lines[0] = "time [ms],position_1,torque_1 (mNm),position_1 [deg]"
+    lines[1:] = ["0,0.5,1000,90", "20,0.6,2000,180"]
+    assert np.allclose(one(write(tmp_path / "b.csv", lines), variables=named).position[:, 0], [0.5, 0.6])
+    lines[0] = "time [ms],position_1 [rad],torque_1 (mNm),position_1 [deg]"
+    with pytest.raises(InputError, match="has no position"):
+        one(write(tmp_path / "c.csv", lines), variables=named)
+
+
 def test_a_row_of_units_that_says_other_than_the_names_is_refused(tmp_path):
     lists = {"position": ["position [deg]"], "torque": ["torque (raw)"]}
     lines = ["time,position [deg],torque (raw)", "s,degrees,Nm", "0,90,1", "0.02,91,2"]

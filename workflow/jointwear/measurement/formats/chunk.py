@@ -13,6 +13,7 @@ import numpy as np
 from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.layout import Layout
+from jointwear.measurement.formats.named_units import without_units
 from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.late_samples import LATE
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
@@ -138,19 +139,21 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
     named = {c for name in layout.names.values() for c in ([name] if isinstance(name, str) else name)}
     found: dict[str, list[str]] = {}
     for role, name in layout.names.items():
+        # `position_1 [deg]` is position_1.
+        known = without_units(role, there)
         if not isinstance(name, str):
-            missing = [c for c in name if c not in there]
+            missing = [c for c in name if c not in known]
             if missing:
                 unused = [c for c in there if c not in named]
                 has = f"not used: {_few(unused)}" if unused else f"it has: {_few(there)}"
                 raise InputError(
                     f"{path}: has no column '{missing[0]}' for {role}{nearest(missing[0], unused)} ({has})"
                 )
-            found[role] = list(name)
-        elif name in there and role not in ("position", "velocity", "acceleration", "torque"):
-            found[role] = [name]
+            found[role] = [known[c] for c in name]
+        elif name in known and role not in ("position", "velocity", "acceleration", "torque"):
+            found[role] = [known[name]]
         elif role in JOINT_ROLES:
-            numbered = numbered_columns(there, name)
+            numbered = numbered_columns(known, name)
             numbers = [k for k, _ in numbered]
             if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
                 lost = next(k for k in range(min(numbers[0], 1), numbers[-1]) if k not in numbers)
@@ -159,7 +162,7 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                     f"missing{_left_empty(role)}"
                 )
             if numbered:
-                found[role] = [c for _, c in numbered]
+                found[role] = [known[c] for _, c in numbered]
     for name in layout.program:
         if name not in there:
             raise InputError(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from jointwear.files.errors import InputError
@@ -41,6 +42,22 @@ def units_in_names(columns: Mapping[str, Sequence[str]]) -> dict[str, str | list
         if unit := unit_of([text if is_unit(role, text) else "" for text in said], role):
             found[role] = unit
     return found
+
+
+def without_units(role: str, columns: Iterable[str]) -> dict[str, str]:
+    """Return name -> column: the names of columns, and those of a unit of the role in brackets without that.
+
+    A name that is there as it is goes before one with a unit, and of two with a unit none is taken.
+    """
+    found = {column: column for column in columns}
+    plain = [(_IN_NAME.sub("", column).rstrip(), column) for column in found if _unit_in(role, column)]
+    times = Counter(name for name, _ in plain)
+    return {name: column for name, column in plain if times[name] == 1} | found
+
+
+def _unit_in(role: str, name: str) -> bool:
+    match = _IN_NAME.search(name)
+    return role in UNITS and match is not None and is_unit(role, match[1])
 
 
 def with_names(
