@@ -5,7 +5,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from monitor_logs import LENGTH, ROOT, TASK, Log, columns, flagged, layout, make_log, model, read, survey_of, write_parquet
+from monitor_logs import (
+    LENGTH,
+    ROOT,
+    TASK,
+    Log,
+    columns,
+    flagged,
+    layout,
+    make_log,
+    model,
+    read,
+    survey_of,
+    write_parquet,
+)
 
 from jointwear.measurement.checks.torque_scale import off_scale, shared_scale
 from jointwear.measurement.flags import Flag
