@@ -38,7 +38,7 @@ from jointwear.discovery.search.forms_beyond import of_another_form
 from jointwear.discovery.search.leftovers import unexplained
 from jointwear.discovery.search.other_half import with_other_halves
 from jointwear.discovery.search.posterior import weigh
-from jointwear.discovery.search.standing_alone import stand_alone
+from jointwear.discovery.search.standing_alone import doubt_early_torque, stand_alone
 from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.effects import get_effect
 
@@ -94,6 +94,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     if named != before:
         outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
         outcome.unexplained, outcome.profile = unexplained(outcome)
+        doubt_early_torque(outcome)
     return outcome
 
 

@@ -26,6 +26,10 @@ def early(outcome: Outcome, one: Named) -> bool:
 
 
 def delay_of(outcome: Outcome, one: Named) -> float:
-    """Return the dead time or lag [s] of a name that is the torque at another time, negative where it is early."""
-    effect = get_effect(one.candidate.effect)
-    return float(effect.parameters_of(one.candidate.nonlinear, outcome.fit.coefficients(one.term))[effect.scaled])
+    """Return the dead time or lag [s] of a name that is the torque at another time, negative where it is early.
+
+    It is that beside all names without the tolerances of their forms: that of a delay holds the delay itself, and a
+    torque that is 17 ms early came out as 0.9 ms late beside it.
+    """
+    effect, plain = get_effect(one.candidate.effect), outcome.white.fit([n.term for n in outcome.named])
+    return float(effect.parameters_of(one.candidate.nonlinear, plain.coefficients(one.term))[effect.scaled])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -38,6 +39,19 @@ def stand_alone(outcome: Outcome) -> None:
     """
     swing = swing_beside(outcome) if any(swings(n) for n in outcome.named) else None
     doubts = (_acts_on_two, _unsteady, _in_its_place, partial(_swings_along, swing), _wound_up, _beside_structure)
+    if _fallen(outcome, doubts):
+        doubt_early_torque(outcome)
+
+
+def doubt_early_torque(outcome: Outcome) -> None:
+    """Turn torques that would have to be early into suspects where structure is left: a name that fell beside them had
+    explained it. Changes `outcome`."""
+    while _fallen(outcome, (_early,)):
+        pass
+
+
+def _fallen(outcome: Outcome, doubts: Sequence[Callable[[Outcome, Named], str | None]]) -> bool:
+    """Turn the names that one of some doubts speaks against into suspects, and return whether there are any."""
     kept: list[Named] = []
     for one in outcome.named:
         reason = next((words for doubt in doubts if (words := doubt(outcome, one)) is not None), None)
@@ -45,10 +59,16 @@ def stand_alone(outcome: Outcome) -> None:
             kept.append(one)
         else:
             outcome.suspects.append((one, reason))
-    if len(kept) != len(outcome.named):
-        outcome.named = kept
-        outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
-        outcome.unexplained, outcome.profile = unexplained(outcome)
+    if len(kept) == len(outcome.named):
+        return False
+    outcome.named = kept
+    outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
+    outcome.unexplained, outcome.profile = unexplained(outcome)
+    return True
+
+
+def _early(outcome: Outcome, one: Named) -> str | None:
+    return EARLY if left_open(outcome, one) and early(outcome, one) else None
 
 
 def _acts_on_two(outcome: Outcome, one: Named) -> str | None:
