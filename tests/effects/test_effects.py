@@ -439,3 +439,30 @@ def test_wear_drift_is_equation_7(robot):
 def test_friction_that_falls_the_steeper_the_slower_is_not_nonlinear_viscous(exponent, coefficient, may):
     effect = effects.get_effect("nonlinear_viscous_friction")
     assert effect.possible({"exponent": exponent, "coefficient": coefficient}) == may
+
+
+def test_friction_over_a_travel_goes_on_to_where_it_is_nothing_unless_it_is_a_law(state):
+    """A curve over a third of a turn, gone on with as a wave, made a file twice as bad as the given one beyond."""
+    place = np.linspace(-4.0, 4.0, 801)
+    moving = replace(
+        state,
+        **{name: np.zeros((801, 6)) for name in ("acceleration", "load", "torque")},
+        position=np.repeat(place[:, None], 6, axis=1),
+        velocity=np.ones((801, 6)),
+        temperature=np.full((801, 6), np.nan),
+        time=np.arange(801.0),
+        record=None,
+    )
+    friction = effects.get_effect("position_dependent_friction")
+    wave = {"amplitude": 2.0, "order": 1.5, "phase": 0.3}
+    everywhere = friction.torque(moving, 1, None, wave)
+    assert everywhere == pytest.approx(2.0 * np.sin(1.5 * place + 0.3))
+    seen = {**wave, "low": -1.0, "high": 0.9}
+    torque = friction.torque(moving, 1, None, seen)
+    inside = (place >= -1.0) & (place <= 0.9)
+    assert np.array_equal(torque[inside], everywhere[inside])
+    # Nothing jumps, and far beyond the file is as it was given.
+    assert np.abs(np.diff(torque)).max() < 0.04
+    assert not torque[np.abs(place) > 3.2].any()
+    law = {**wave, "low": -4.0, "high": 4.4}
+    assert np.array_equal(friction.torque(moving, 1, None, law), everywhere)

@@ -5,6 +5,11 @@ import numpy as np
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 
+#: Waves on the travel from which on they are a law.
+REPEATED = 2
+#: Position [rad] beyond all travel.
+FAR = 100.0
+
 
 def _columns(state, axis, source, p):
     angle = p["order"] * state.position[..., axis]
@@ -12,8 +17,29 @@ def _columns(state, axis, source, p):
 
 
 def _torque(state, axis, source, p):
-    angle = p["order"] * state.position[..., axis] + p["phase"]
-    return p["amplitude"] * np.sin(angle) * state.direction[..., axis]
+    return _friction(p, state.position[..., axis]) * state.direction[..., axis]
+
+
+def _friction(p, position):
+    """Return the friction that is added at positions (...,) [N m].
+
+    A wave that was seen twice is a law. Else it is a curve through the travel that was seen: beyond, it goes on to
+    where it is nothing, and nothing is known from there on.
+    """
+    low, high = p.get("low", -FAR), p.get("high", FAR)
+    wave = p["amplitude"] * np.sin(p["order"] * position + p["phase"])
+    if p["order"] * (high - low) >= 2 * np.pi * REPEATED:
+        return wave
+    ends = np.array([low, high])
+    turns = (p["order"] * ends + p["phase"]) / np.pi
+    first, last = (np.array([np.floor(turns[0]), np.ceil(turns[1])]) * np.pi - p["phase"]) / p["order"]
+    return np.where((position >= first) & (position <= last), wave, 0.0)
+
+
+def _grid(state, axis):
+    q = state.position[..., axis]
+    travel = {"low": float(np.round(q.min(), 3)), "high": float(np.round(q.max(), 3))}
+    return [{"order": float(n), **travel} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)]
 
 
 def _shape(state, axis, p):
@@ -28,6 +54,8 @@ EFFECT = Effect(
         Parameter("amplitude", "N m", 0.0, 1e4, "A"),
         Parameter("order", "1", 0.8, 40.0, "n, waves in one turn of the joint", 1.0),
         Parameter("phase", "rad", -6.3, 6.3, "phi"),
+        Parameter("low", "rad", -FAR, FAR, "end of the travel on which it was found", -FAR, fixed=True),
+        Parameter("high", "rad", -FAR, FAR, "the other end", FAR, fixed=True),
     ),
     confused_with=("joint_spring",),
     excitation="the whole travel in both directions",
@@ -42,7 +70,7 @@ EFFECT = Effect(
         "amplitude": float(np.hypot(c[0], c[1])),
         "phase": float(np.arctan2(c[1], c[0])),
     },
-    grid=lambda state, axis: [{"order": float(n)} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)],
+    grid=_grid,
     shape=_shape,
     as_seen=True,
     bend=table_bend(_shape, per_wave=8),
