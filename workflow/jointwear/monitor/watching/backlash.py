@@ -37,8 +37,9 @@ REPEAT_HOURS = 168.0
 FEWEST_SAMPLES, COUNT_AS_ONE = 30, 4.0
 #: Reversals in motion of a window that suffice, and share of the baseline's windows that must show them.
 FEWEST_TURNS, MOST_WINDOWS = 3, 0.5
-#: Body torque over friction (root mean square) below which the load of the gear reverses with the motion.
-LIGHT = 1.5
+#: Body torque over friction (root mean square) below which the load of the gear reverses with the motion: half of the
+#: friction acts behind the gap at most, and the load has to be well above that.
+LIGHT = 0.75
 #: Share of the noise of the regression that the quick part of the residual must stand out of: below, quantised or
 #: filtered torque hides it, or so does what the model misses.
 QUICKEST = 0.02
