@@ -9,7 +9,7 @@ from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.problem.whitening import White
-from jointwear.discovery.search.in_its_place import better_in_its_place
+from jointwear.discovery.search.in_its_place import Place, better_in_its_place, place_of
 from jointwear.discovery.search.standing_alone import stand_alone
 
 
@@ -77,3 +77,17 @@ def test_what_stands_for_all_of_a_name_leaves_nothing_to_explain_in_its_place(wh
     )
     monkeypatch.setattr(White, "attenuation", [all_of_it])
     assert better_in_its_place(outcome, outcome.named[0]) is None
+
+
+@pytest.mark.parametrize("noise", [False, True])
+def test_nothing_takes_the_place_of_a_strong_name_that_noise_may_take(white, noise, monkeypatch):
+    """Structure of 16 nats was ahead of a torque constant of 412,684 that noise could have taken off the inertias."""
+    q = white.problem.train_state.position[:, 2]
+    outcome = _outcome(white, 2, SPRING, 40.0 * (q - q.mean()))
+    (one,) = outcome.named
+    # What noise takes follows the same columns, and may be any size.
+    taken = Term("attenuation 2", one.term.blocks, 5.0 * one.term.std, one.term.raw)
+    monkeypatch.setattr(White, "attenuation", [taken] if noise else [])
+    monkeypatch.setattr(Place, "lead", lambda *_: 16.0)
+    assert (place_of(outcome, one).own < white.problem.settings.accept) == noise
+    assert (better_in_its_place(outcome, one) is None) == noise

@@ -185,7 +185,7 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
     return log, outcome, [words] if read else []
 
 
-def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_told: bool) -> Discovery:
+def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_told: bool = False) -> Discovery:
     outcome = with_kept_sizes(repeat(search_beside(found), found.problem))
     problem = outcome.problem
     outcome.unexplained = lasting(outcome) or rocking(outcome)

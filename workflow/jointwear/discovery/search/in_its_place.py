@@ -9,7 +9,7 @@ import numpy as np
 from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.linear import Fit, gain
 from jointwear.discovery.problem.candidates import LINK_MASS, of_bases, resolved_bases
-from jointwear.discovery.search.tolerance import fit_beside_forms
+from jointwear.discovery.search.tolerance import fit_beside_forms, with_tolerances
 from jointwear.discovery.structure import Basis
 from jointwear.effects import get_effect
 
@@ -34,12 +34,28 @@ def better_in_its_place(outcome: Outcome, one: Named) -> tuple[Basis, int, float
     the structure, its 0-based axis and the nats by which it is ahead.
     """
     place, best = place_of(outcome, one), None
+    if _noise_may_take(outcome, one, place):
+        return None
     for axis in asked_of(one):
         rivals = [basis for basis in resolved_bases(outcome.white, axis) if not of_its_form(one, basis.argument)]
         for basis, seen in of_bases(outcome.white, place.without, axis, rivals):
             lead = place.lead(axis, seen.columns, seen.b, seen.gram, 0.0 if best is None else best[2])
             best = best if lead is None else (basis, axis, lead)
     return best
+
+
+def _noise_may_take(outcome: Outcome, one: Named, place: Place) -> bool:
+    """Return whether a strong name explains nothing beside what noise takes off fitted inertias, and all of it else.
+
+    Of a torque constant with coarse positions the two cannot be told apart. Then nothing can take its place: structure
+    of a few nats would be ahead of nothing.
+    """
+    settings, white = outcome.problem.settings, outcome.white
+    if place.own >= settings.accept:
+        return False
+    rest = [n for n in outcome.named if n is not one]
+    without, with_it = (white.fit(with_tolerances(white, named)).evidence for named in (rest, [*rest, one]))
+    return with_it - without > settings.weak_nats
 
 
 @dataclass(frozen=True)
