@@ -77,7 +77,10 @@ def test_a_gear_twists_by_the_inertia_and_the_weight_of_the_body_too(heavy):
     """The stiffness of a gear of 4,940 N m/rad behind 1.2 kg that were found was told without them."""
     outcome, _ = outcome_of(heavy, build_dictionary(heavy))
     state = carrying(outcome).state
-    bare, true = (wind_up_regressor(Dynamics(robot), state.position)(1) for robot in robots(12.0))
+    bare, true = (
+        wind_up_regressor(Dynamics(robot), state.position, state.velocity, state.acceleration)(1)
+        for robot in robots(12.0)
+    )
     for found, without, with_body in zip(state.wind_up_regressor(1), bare, true, strict=True):
         assert np.abs(found - with_body).max() < 0.1 * np.abs(without - with_body).max()
 

@@ -253,7 +253,7 @@ def test_a_gear_that_twists_behind_its_encoder_shows_on_every_joint(robot):
         rigid,
         time=time,
         record=np.zeros(len(time), int),
-        wind_up_regressor=wind_up_regressor(dynamics, motor[0]),
+        wind_up_regressor=wind_up_regressor(dynamics, *motor, turning),
     )
     link = float(np.mean(state.wind_up_regressor(axis)[0][:, axis]))
     found = {"inertia_over_stiffness": link / stiffness, "inertia": link, "side": 1, "damping": 0.02}

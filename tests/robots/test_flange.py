@@ -89,10 +89,25 @@ def test_gravity_changes_with_the_angle_of_a_link_as_small_turns_say(tmp_path):
     for robot in (ROBOT, replace(ROBOT, gravity=np.array([1.0, -3.0, 9.0]), payload=load), two_joints(tmp_path)):
         dynamics, n = Dynamics(robot), robot.joints
         position = np.random.default_rng(6).uniform(-3.0, 3.0, (20, n))
-        regressor = wind_up_regressor(dynamics, position)
+        still = np.zeros_like(position)
+        regressor = wind_up_regressor(dynamics, position, still, still)
         for axis, turn in enumerate(1e-4 * np.eye(n)):
             change = dynamics.gravity_torque(position + turn) - dynamics.gravity_torque(position - turn)
             by_acceleration, by_angle = regressor(axis)
             np.testing.assert_allclose(by_angle, change / 2e-4, atol=1e-6)
             inertia = dynamics.mass_matrix(position)[..., axis] - np.eye(n)[axis] * robot.armature[axis]
             np.testing.assert_allclose(by_acceleration, inertia, atol=1e-12)
+
+
+def test_the_angle_of_a_link_changes_what_the_other_joints_accelerate_and_its_own_gravity_alone():
+    dynamics, n = Dynamics(ROBOT), ROBOT.joints
+    motion = np.random.default_rng(7).normal(size=(3, 20, n))
+    regressor, slopes = wind_up_regressor(dynamics, *motion), dynamics.torque_slopes(*motion)
+    level = wind_up_regressor(dynamics, motion[0], *np.zeros_like(motion[1:]))
+    for axis in range(n):
+        own = np.arange(n) == axis
+        by_angle = regressor(axis)[1]
+        np.testing.assert_allclose(by_angle[:, ~own], slopes[:, ~own, axis])
+        np.testing.assert_allclose(by_angle[:, own], level(axis)[1][:, own])
+    # By its acceleration too the torque of a shoulder changes with its own angle.
+    assert not np.allclose(regressor(1)[1][:, 1], slopes[:, 1, 1])

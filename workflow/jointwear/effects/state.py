@@ -54,7 +54,7 @@ class State:
     gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
         in the base frame, shape (..., n, 3), or None.
     wind_up_regressor : axis -> derivatives of the torques, both (..., n), by the acceleration of its link without
-        motor inertia, and of gravity by the angle of its link; or None.
+        motor inertia, and by the angle of its link, on its own axis of gravity alone; or None.
     torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
     passes : frequencies [Hz] (...,) -> share that a filter of the torque that is to be explained lets pass, as that of
         a recording at a high rate; None where all does.

@@ -34,17 +34,23 @@ def gravity_regressor(robot: Robot, position: np.ndarray) -> np.ndarray:
 
 
 def wind_up_regressor(
-    dynamics: Dynamics, position: np.ndarray, pulls: Callable[[], np.ndarray] | None = None
+    dynamics: Dynamics,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    pulls: Callable[[], np.ndarray] | None = None,
 ) -> Callable[[int], tuple[np.ndarray, np.ndarray]]:
-    """Return axis -> derivatives (m, n) of the torques by the acceleration of one link, and of gravity by its angle.
+    """Return axis -> derivatives (m, n) of the torques by the acceleration of one link, and by its angle.
 
     The inertia of the motor, which a twist of its gear leaves behind, is left out. Worked out once, when first asked.
-    A joint that turns turns gravity the other way for all links behind it. The derivatives are those of a potential,
-    so that what a joint before it feels is what that joint's own turn would do to this one.
+    By its angle a link changes the inertia that the other joints move too: an elbow of 900 N m/rad that gives way by
+    0.4 degrees changes that of an upright joint by a percent, all that such a joint has. On its own joint only gravity
+    is derived: it stands beside the stiffness, which accelerations with noise would shift, and with it the swing.
 
     Parameters
     ----------
-    position : (m, n) [rad]. pulls : :func:`gravity_regressor` of the same robot and positions, where it is at hand.
+    position, velocity, acceleration : (m, n) [rad], [rad/s], [rad/s2]. pulls : :func:`gravity_regressor` of the same
+        robot and positions, where it is at hand.
     """
     robot = dynamics.robot
 
@@ -54,15 +60,21 @@ def wind_up_regressor(
 
     @cache
     def turned() -> np.ndarray:
-        """Derivatives (m, n, n) of gravity, of torques behind a joint by its angle, 0 elsewhere."""
+        """Derivatives (m, n) of the gravity torque of each joint by its own angle.
+
+        A joint that turns turns gravity the other way for all links behind it.
+        """
         gravity = np.cross(np.asarray(robot.gravity, dtype=float), FlangeLoad(robot).axes(position))
-        found = (pulls() if pulls else gravity_regressor(robot, position)) @ np.swapaxes(gravity, -1, -2)
-        return np.tril(found)
+        return np.einsum("mjk,mjk->mj", pulls() if pulls else gravity_regressor(robot, position), gravity)
+
+    @cache
+    def slopes() -> np.ndarray:
+        return dynamics.torque_slopes(position, velocity, acceleration)
 
     @cache
     def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray]:
-        by_angle = turned()[..., axis] + turned()[..., axis, :]
-        by_angle[..., axis] *= 0.5
+        by_angle = slopes()[..., axis].copy()
+        by_angle[..., axis] = turned()[..., axis]
         return masses()[..., axis], by_angle
 
     return of_axis

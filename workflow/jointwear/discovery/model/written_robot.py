@@ -75,7 +75,7 @@ def simulate_robot(robot: Robot, measured: Measured) -> tuple[np.ndarray, np.nda
         time=measured.time,
         temperature=measured.temperature,
         record=measured.trajectory,
-        wind_up_regressor=wind_up_regressor(dynamics, q),
+        wind_up_regressor=wind_up_regressor(dynamics, q, v, a),
     )
     # The torque was filtered where a recording at a high rate was reduced: the prediction is compared with that.
     state = replace(state, passes=measured.passes, derives=measured.derives)

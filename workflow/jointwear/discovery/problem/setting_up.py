@@ -53,7 +53,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         record=measured.trajectory,
         tip_regressor=lambda: last,
         gravity_regressor=pulls,
-        wind_up_regressor=wind_up_regressor(dynamics, q, pulls),
+        wind_up_regressor=wind_up_regressor(dynamics, q, v, a, pulls),
     )
     state = replace(
         state,

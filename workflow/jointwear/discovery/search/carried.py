@@ -58,7 +58,7 @@ def carrying(outcome: Outcome) -> Problem | None:
     if not wider and not (beside and any(share[axis] > settings.usual for axis in problem.judged)):
         return None
     # A gear twists by the inertia and the weight of all that hangs behind it.
-    behind = wind_up_regressor(Dynamics(loaded), state.position)
+    behind = wind_up_regressor(Dynamics(loaded), state.position, state.velocity, state.acceleration)
     heavier = replace(state, load=state.load + carried, torque=state.torque + carried, wind_up_regressor=behind)
     return replace(problem, state=heavier, body_prior=wider)
 

@@ -102,7 +102,8 @@ EFFECT = Effect(
     identifier="joint_flexibility",
     name="Joint flexibility",
     equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; "
-    "motor side: -(M/J) d(J dw/dt)/dt - (dg/dq) w, d(J dw/dt)/dt + D dw/dt + (K + dg/dq) w = tau_load",
+    "motor side: -(M/J) d(J dw/dt)/dt - (dtau/dq) w, of its own axis (dg/dq) w, with "
+    "d(J dw/dt)/dt + D dw/dt + (K + dg/dq) w = tau_load",
     parameters=(
         Parameter(
             "inertia_over_stiffness", "s2", 0.0, 1.0, "Jm G^2/K, or J/K with the inertia of the link: (period / 2 pi)^2"

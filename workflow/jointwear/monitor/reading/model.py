@@ -68,7 +68,7 @@ class TorqueModel:
                 time=time,
                 temperature=temperature,
                 record=record,
-                wind_up_regressor=wind_up_regressor(self.dynamics, position),
+                wind_up_regressor=wind_up_regressor(self.dynamics, position, velocity, acceleration),
             )
             total = state.torque + effect_torque(self.robot, state)
         else:
