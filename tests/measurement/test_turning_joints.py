@@ -38,7 +38,7 @@ def test_two_turns_are_no_degrees(joints):
     robot = turning(load_robot("config/robots/puma560.yaml"), joints)
     recording = split(load_recording({"measured": "data/examples/puma560_hidden.nc"}, "arm"))
     on = replace(recording, position=recording.position + ON)
-    assert checked(on, robot)[1] == checked(recording, robot)[1]
+    assert checked(on, robot).restrictions == checked(recording, robot).restrictions
     # Two turns in degrees are more than the motor of that joint would turn within its reach.
     for wrong, said in ((recording, DEGREES + MOTORS), (on, DEGREES)):
         with pytest.raises(Refused, match="look like degrees") as refused:
