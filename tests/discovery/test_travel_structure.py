@@ -7,8 +7,10 @@ import pytest
 
 from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.search.leftovers import unexplained
-from jointwear.discovery.structure import SINCE_REVERSAL, axis_bases
+from jointwear.discovery.structure import axis_bases
 from jointwear.effects.bristle import travel_since_reversal
+
+SINCE_REVERSAL = "travel since reversal x direction"
 
 
 def test_travel_begins_anew_where_the_joint_turns_round_and_is_held_at_rest():

@@ -23,8 +23,6 @@ FEWEST_KNOTS = 4
 TIME_BIN, FRICTION_BIN = 1.5, 5.0
 #: Waves of a motor turn: magnets, slots, gear teeth and bearings of usual drives lie below.
 ORDERS = 12
-#: Argument of friction by how far a joint has gone since it last turned round.
-SINCE_REVERSAL = "travel since reversal x direction"
 #: Travel [rad] below which a joint counts as still.
 STILL = 1e-6
 
@@ -65,8 +63,8 @@ def axis_bases(
     fine = assumed.COARSE if coarse else 1.0
     found: list[Basis] = []
 
-    def add(argument, unit, values, count, carriers=(("", None),)):
-        columns = hats(values, knots_of(values[usable], max(FEWEST_KNOTS, round(fine * count))))
+    def add(argument, unit, values, count, carriers=(("", None),), judged=usable):
+        columns = hats(values, knots_of(values[judged], max(FEWEST_KNOTS, round(fine * count))))
         for words, carrier in carriers if columns.shape[1] else ():
             carried = columns if carrier is None else columns * carrier[:, None]
             found.append(Basis(argument + words, unit, carried, values))
@@ -102,9 +100,9 @@ def axis_bases(
         travel = _travel(state, axis)
         turned = np.isfinite(travel)
         if (usable & turned).any():
-            columns = hats(travel, knots_of(travel[usable & turned], KNOTS["travel"]))
-            columns = np.where(turned[:, None], columns * s[:, None], 0.0)
-            found.append(Basis(SINCE_REVERSAL, "rad", columns, np.nan_to_num(travel, nan=np.nanmax(travel))))
+            known = np.nan_to_num(travel, nan=np.nanmax(travel))
+            carrier = " x direction", np.where(turned, s, 0.0)
+            add("travel since reversal", "rad", known, KNOTS["travel"], (carrier,), usable & turned)
         angle = state.drive.gear_ratio[axis] * q
         # Waves of higher orders are powers of the first.
         waves = np.multiply.accumulate(np.broadcast_to(np.exp(1j * angle), (ORDERS, len(angle))), axis=0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.signal import lfilter
 
@@ -96,14 +98,27 @@ def turn_by_lag(state: State, values: np.ndarray, lag: float) -> np.ndarray:
     result = np.zeros(np.shape(values))
     if state.record is None or lag == 0:
         return result
-    for part, _, usual in _steps(state):
-        padded, inside = continued(values[part])
-        frequency = np.fft.rfftfreq(len(padded), usual)
+
+    def turned(frequency: np.ndarray) -> np.ndarray:
         angle = np.arctan(2 * np.pi * frequency * lag)
         along = 0.5 * (1.0 + np.cos(angle)) / (np.cos(angle) if lag < 0 else 1.0)
-        spectrum = np.fft.rfft(padded) * along * (np.exp(-1j * angle) - 1.0)
-        result[part] = np.fft.irfft(spectrum, len(padded))[inside]
+        return along * (np.exp(-1j * angle) - 1.0)
+
+    for part, _, usual in _steps(state):
+        result[part] = shaped(values[part], usual, turned)
     return result
+
+
+def shaped(values: np.ndarray, step: float, gain: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Return a record of values (m,), sampled every `step` [s], with its waves multiplied by their `gain`.
+
+    Parameters
+    ----------
+    gain : frequencies [Hz] (k,) -> factor (k,), complex where it turns a wave.
+    """
+    padded, inside = continued(values)
+    spectrum = np.fft.rfft(padded) * gain(np.fft.rfftfreq(len(padded), step))
+    return np.fft.irfft(spectrum, len(padded))[inside]
 
 
 def continued(values: np.ndarray) -> tuple[np.ndarray, slice]:
@@ -125,10 +140,7 @@ def up_to(state: State, values: np.ndarray, band: float) -> np.ndarray:
         return values
     result = np.array(values, dtype=float)
     for part, _, usual in _steps(state):
-        padded, inside = continued(values[part])
-        frequency = np.fft.rfftfreq(len(padded), usual)
-        spectrum = np.fft.rfft(padded) / (1.0 + (frequency / band) ** 8)
-        result[part] = np.fft.irfft(spectrum, len(padded))[inside]
+        result[part] = shaped(values[part], usual, lambda frequency: 1.0 / (1.0 + (frequency / band) ** 8))
     return result
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from itertools import combinations
 
 import numpy as np
 from scipy.stats import hypergeom
@@ -95,20 +96,18 @@ def struck_together(
     residual : (N, n) [N m] what a model leaves of the torques. usable : (N, n) samples that can be judged. record :
         (N,) label of each sample. sizes : (N, n, k) on which the size of noise may depend. axes : those that are asked.
     """
-    shape, bursts = (len(record) - 1, residual.shape[1]), []
-    power, follow = np.zeros(shape), np.zeros(shape, dtype=bool)
+    bursts = {}
     for axis in axes:
-        follow[:, axis] = _follow(usable[:, axis], record)
-        power[follow[:, axis], axis] = _of_one_size(
-            np.diff(residual[:, axis])[follow[:, axis]], record[1:][follow[:, axis]], sizes[1:, axis][follow[:, axis]]
-        )
-        if _share_of(power[follow[:, axis], axis]) > heaviest_noise():
-            bursts.append(axis)
+        rows = _follow(usable[:, axis], record)
+        power = np.full(len(rows), np.nan)
+        power[rows] = _of_one_size(np.diff(residual[:, axis])[rows], record[1:][rows], sizes[1:, axis][rows])
+        if _share_of(power[rows]) > heaviest_noise():
+            bursts[axis] = power
     found: dict[int, tuple[int, ...]] = {}
-    for axis in bursts:
-        others = [o for o in bursts if o != axis and _coincide(power[:, [axis, o]], follow[:, [axis, o]], settings)]
-        if others:
-            found[axis] = tuple(others)
+    for one, other in combinations(bursts, 2):
+        if _coincide(np.stack([bursts[one], bursts[other]], axis=1), settings):
+            found[one] = (*found.get(one, ()), other)
+            found[other] = (*found.get(other, ()), one)
     return found
 
 
@@ -124,9 +123,9 @@ def _of_one_size(changes: np.ndarray, record: np.ndarray, sizes: np.ndarray) -> 
     return square / np.exp(design @ np.linalg.lstsq(design, logarithm, rcond=None)[0])
 
 
-def _coincide(power: np.ndarray, known: np.ndarray, settings: Settings) -> bool:
-    """Return whether more of the loudest changes of two axes (m, 2) are the same than chance allows."""
-    both = power[known.all(axis=1)]
+def _coincide(power: np.ndarray, settings: Settings) -> bool:
+    """Return whether more of the loudest changes of two axes (m, 2), NaN unknown, are the same than chance allows."""
+    both = power[np.isfinite(power).all(axis=1)]
     count = round(LOUDEST * len(both))
     loud = [set(np.argsort(column)[len(both) - count :].tolist()) for column in both.T]
     same = len(loud[0] & loud[1])

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jointwear.discovery.problem.instruments import FREQUENCIES
-from jointwear.effects.order import continued
+from jointwear.effects.order import shaped
 from jointwear.statistics.runs import runs
 
 if TYPE_CHECKING:
@@ -40,12 +40,15 @@ def fused_load(problem: Problem, axis: int, white: Whitener, residual: np.ndarra
     frequency = np.linspace(0.0, 0.5 * rate, FREQUENCIES + 1)[1:]
     turned = share * (2 * np.pi * frequency) ** 2
     gain = _gain(problem, axis, white.density(frequency, rate), frequency, turned)
-    record, load = np.asarray(state.record), state.load[:, axis]
-    pieces = runs(record)
-    noise = np.concatenate([_shaped(residual[piece], frequency, gain, rate) for piece in pieces])
+    pieces, load = runs(np.asarray(state.record)), state.load[:, axis]
+
+    def through(values: np.ndarray, gain: np.ndarray) -> np.ndarray:
+        return np.concatenate([shaped(values[p], 1 / rate, lambda f: np.interp(f, frequency, gain)) for p in pieces])
+
+    noise = through(residual, gain)
     if share:
         # Its second derivative is the load times -(2 pi f)^2: share load'' is taken off the residual.
-        noise += np.concatenate([_shaped(load[piece], frequency, gain * turned, rate) for piece in pieces])
+        noise += through(load, gain * turned)
     return load + noise
 
 
@@ -87,11 +90,3 @@ def _gain(problem: Problem, axis: int, density: np.ndarray, frequency: np.ndarra
     shared = np.sum(light[:, None] * left * noise, axis=0)
     rest = np.maximum(density - squares @ noise, 0.0)
     return shared / np.maximum(np.sum(left**2 * noise, axis=0) + rest, 1e-300)
-
-
-def _shaped(values: np.ndarray, frequency: np.ndarray, gain: np.ndarray, rate: float) -> np.ndarray:
-    """Return values (m,) with their spectrum multiplied by a gain (k,) at frequencies (k,) [Hz]."""
-    whole, inside = continued(values)
-    spectrum = np.fft.rfft(whole)
-    spectrum *= np.interp(np.fft.rfftfreq(len(whole), 1 / rate), frequency, gain)
-    return np.fft.irfft(spectrum, len(whole))[inside]

@@ -38,7 +38,15 @@ def stand_alone(outcome: Outcome) -> None:
     `outcome`.
     """
     swing = swing_beside(outcome) if any(swings(n) for n in outcome.named) else None
-    doubts = (_acts_on_two, _unsteady, _in_its_place, partial(_swings_along, swing), _wound_up, _beside_structure)
+    doubts = (
+        _acts_on_two,
+        _unsteady,
+        _in_its_place,
+        partial(_swings_along, swing),
+        _wound_up,
+        _early,
+        _beside_structure,
+    )
     if _fallen(outcome, doubts):
         doubt_early_torque(outcome)
 
@@ -68,6 +76,7 @@ def _fallen(outcome: Outcome, doubts: Sequence[Callable[[Outcome, Named], str | 
 
 
 def _early(outcome: Outcome, one: Named) -> str | None:
+    """Say of a torque that is early (:func:`.early_torque.early`) that it stands beside no structure."""
     return EARLY if left_open(outcome, one) and early(outcome, one) else None
 
 
@@ -126,14 +135,11 @@ def _beside_structure(outcome: Outcome, one: Named) -> str | None:
 
     It does where it is worth more than any structure that is left, and is nearly all of what its axes lacked
     (:func:`nearly_all`), or still passes the gates of prediction with all the unexplained structure of its axes in the
-    model; one of timing has to be most of it too, and a torque that is early (:func:`.early_torque.early`) stands
-    beside no structure.
+    model; one of timing has to be most of it too.
     """
     axes = left_open(outcome, one)
     if not axes:
         return None
-    if early(outcome, one):
-        return EARLY
     where = numbered("joint", [a + 1 for a in axes])
     most = max((u for u in outcome.unexplained if u.axis in axes), key=lambda u: u.nats)
     if most.nats > one.evidence:

@@ -4,6 +4,7 @@ import numpy as np
 
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.travel import ENDS, ends_of
 
 _NAMES = ("stiffness", "quadratic", "cubic", "preload")
 
@@ -27,9 +28,8 @@ def _law(p, position):
 
 
 def _grid(state, axis):
-    q = state.position[..., axis]
-    low, high = float(np.round(q.min(), 3)), float(np.round(q.max(), 3))
-    return [{"centre": round(0.5 * (low + high), 4), "low": low, "high": high}]
+    travel = ends_of(state, axis)
+    return [{"centre": round(0.5 * sum(travel.values()), 4), **travel}]
 
 
 def _shape(state, axis, p):
@@ -46,8 +46,7 @@ EFFECT = Effect(
         Parameter("cubic", "N m/rad3", -1e6, 1e6, "k3"),
         Parameter("preload", "N m", -1e6, 1e6, "p, torque in the middle of the travel"),
         Parameter("centre", "rad", -100.0, 100.0, "qc, middle of the travel", 0.0, fixed=True),
-        Parameter("low", "rad", -100.0, 100.0, "end of the travel on which it was found", -100.0, fixed=True),
-        Parameter("high", "rad", -100.0, 100.0, "the other end", 100.0, fixed=True),
+        *ENDS,
     ),
     confused_with=("payload", "position_dependent_friction"),
     excitation="the whole travel in both directions, with and without payload",

@@ -4,11 +4,10 @@ import numpy as np
 
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.travel import ENDS, FAR, ends_of
 
 #: Waves on the travel from which on they are a law.
 REPEATED = 2
-#: Position [rad] beyond all travel.
-FAR = 100.0
 
 
 def _columns(state, axis, source, p):
@@ -37,8 +36,7 @@ def _friction(p, position):
 
 
 def _grid(state, axis):
-    q = state.position[..., axis]
-    travel = {"low": float(np.round(q.min(), 3)), "high": float(np.round(q.max(), 3))}
+    travel = ends_of(state, axis)
     return [{"order": float(n), **travel} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)]
 
 
@@ -54,8 +52,7 @@ EFFECT = Effect(
         Parameter("amplitude", "N m", 0.0, 1e4, "A"),
         Parameter("order", "1", 0.8, 40.0, "n, waves in one turn of the joint", 1.0),
         Parameter("phase", "rad", -6.3, 6.3, "phi"),
-        Parameter("low", "rad", -FAR, FAR, "end of the travel on which it was found", -FAR, fixed=True),
-        Parameter("high", "rad", -FAR, FAR, "the other end", FAR, fixed=True),
+        *ENDS,
     ),
     confused_with=("joint_spring",),
     excitation="the whole travel in both directions",

@@ -38,8 +38,7 @@ def units_in_names(columns: Mapping[str, Sequence[str]]) -> dict[str, str | list
     for role, names in columns.items():
         if role not in UNITS or role == "trajectory":
             continue
-        said = [match[1] if (match := _IN_NAME.search(name)) else "" for name in names]
-        if unit := unit_of([text if is_unit(role, text) else "" for text in said], role):
+        if unit := unit_of([_unit_in(role, name) for name in names], role):
             found[role] = unit
     return found
 
@@ -55,9 +54,10 @@ def without_units(role: str, columns: Iterable[str]) -> dict[str, str]:
     return {name: column for name, column in plain if times[name] == 1} | found
 
 
-def _unit_in(role: str, name: str) -> bool:
+def _unit_in(role: str, name: str) -> str:
+    """Return the unit of a role that the name of a column holds in brackets at its end; empty where there is none."""
     match = _IN_NAME.search(name)
-    return role in UNITS and match is not None and is_unit(role, match[1])
+    return match[1] if match and role in UNITS and is_unit(role, match[1]) else ""
 
 
 def with_names(
