@@ -1,29 +1,17 @@
 """CSV logs as loggers of plants write them: read, or refused with the key that mends it."""
 
 import gzip
-import re
 
 import numpy as np
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
+from written_logs import HEADER, one, write
 
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of, read_log
 from jointwear.measurement.formats.text import MOST_TORN
 from jointwear.measurement.recording_files import load_recording
-
-HEADER = ["time", "position_1", "torque_1"]
-
-
-def one(path, **entry):
-    """The samples of a log of one joint."""
-    return next(iter(read_log(path, layout_of(entry, ["joint_1"]))))
-
-
-def write(path, lines, encoding="utf-8"):
-    path.write_bytes("\n".join(lines).encode(encoding))
-    return path
 
 
 def test_preamble_units_row_decimal_commas_and_code_page(tmp_path):
@@ -41,87 +29,6 @@ def test_a_comma_in_a_column_that_is_not_read_says_nothing_of_the_decimals(tmp_p
     path = write(tmp_path / "a.csv", [delimiter.join(row) for row in rows])
     assert one(path).torque[:, 0].tolist() == [1.25, 1.5]
     assert one(path, program={"columns": ["step"]}).torque[:, 0].tolist() == [1.25, 1.5]
-
-
-def two(path, **entry):
-    return next(iter(read_log(path, layout_of(entry, ["joint_1", "joint_2"]))))
-
-
-def test_a_row_of_units_holds_one_for_each_column(tmp_path):
-    lines = ["time,position_1,position_2,torque_1,torque_2", "s,rad,deg,Nm,N cm", "0,1,90,2,300", "0.01,1.1,91,2,310"]
-    chunk = two(write(tmp_path / "a.csv", lines))
-    assert np.allclose(chunk.position[0], [1.0, np.pi / 2])
-    assert np.allclose(chunk.torque[0], [2.0, 3.0])
-    assert (chunk.units["position"], chunk.units["torque"]) == ("rad", "N m")
-    with pytest.raises(
-        InputError, match="says 'rad' and 'deg' for position, 'units' of the configuration 'deg' for all"
-    ):
-        two(tmp_path / "a.csv", units={"position": "deg"})
-    # A cell of a spreadsheet that spans all columns of a role.
-    lines[1] = "s,deg,,Nm,"
-    assert np.allclose(two(write(tmp_path / "b.csv", lines)).position[0], np.radians([1, 90]))
-    lines[1] = "s,rad,degrees,Nm,A"
-    with pytest.raises(InputError, match="says 'Nm' and 'A' for torque; write all columns in N m, or all as currents"):
-        two(write(tmp_path / "c.csv", lines))
-
-
-def named(**units):
-    """Names of the columns of a log of one joint with units in brackets."""
-    return {role: f"{role} {said}" for role, said in units.items()}
-
-
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_units_in_the_names_of_columns(tmp_path, suffix):
-    """Milliseconds had been read as seconds, and degrees as radians."""
-    names = named(time="[ms]", position="(deg)", torque="( mNm )")
-    values = [[0.0, 20.0], [90.0, 180.0], [1000.0, 2000.0]]
-    path = tmp_path / f"a.{suffix}"
-    if suffix == "csv":
-        write(path, [",".join(names.values()), *(",".join(map(str, row)) for row in zip(*values, strict=True))])
-    else:
-        parquet.write_table(pa.table(dict(zip(names.values(), values, strict=True))), path)
-    lists = {role: name if role == "time" else [name] for role, name in names.items()}
-    chunk = one(path, variables=lists)
-    assert np.allclose(chunk.time, [0.0, 0.02])
-    assert np.allclose(chunk.position[:, 0], np.radians([90, 180]))
-    assert np.allclose(chunk.torque[:, 0], [1.0, 2.0])
-    # The configuration states what a log says wrong.
-    assert one(path, variables=lists, units={"torque": "N m"}).torque[0, 0] == 1000.0
-
-
-@pytest.mark.parametrize("named", [{}, {"torque": ["torque_1"], "time": "time"}])
-def test_a_column_with_its_unit_in_brackets_needs_no_other_name(tmp_path, named):
-    """Logs of one robot may come with units in their names and without, under one configuration."""
-    lines = ["time [ms],position_1 [deg],torque_1 (mNm)", "0,90,1000", "20,180,2000"]
-    chunk = one(write(tmp_path / "a.csv", lines), variables=named)
-    assert np.allclose(chunk.time, [0.0, 0.02])
-    assert np.allclose(chunk.position[:, 0], np.radians([90, 180]))
-    assert np.allclose(chunk.torque[:, 0], [1.0, 2.0])
-    # The name as it is goes before one with a unit, and of two with a unit none is taken.
-    lines[0] = "time [ms],position_1,torque_1 (mNm),position_1 [deg]"
-    lines[1:] = ["0,0.5,1000,90", "20,0.6,2000,180"]
-    assert np.allclose(one(write(tmp_path / "b.csv", lines), variables=named).position[:, 0], [0.5, 0.6])
-    lines[0] = "time [ms],position_1 [rad],torque_1 (mNm),position_1 [deg]"
-    with pytest.raises(InputError, match="has no position"):
-        one(write(tmp_path / "c.csv", lines), variables=named)
-
-
-def test_a_row_of_units_that_says_other_than_the_names_is_refused(tmp_path):
-    lists = {"position": ["position [deg]"], "torque": ["torque (raw)"]}
-    lines = ["time,position [deg],torque (raw)", "s,degrees,Nm", "0,90,1", "0.02,91,2"]
-    assert np.allclose(one(write(tmp_path / "a.csv", lines), variables=lists).position[0], np.pi / 2)
-    lines[1] = "s,rad,Nm"
-    with pytest.raises(InputError, match=r"column 'position \[deg\]' says 'deg', the row of units 'rad'; state which"):
-        one(write(tmp_path / "b.csv", lines), variables=lists)
-    assert one(tmp_path / "b.csv", variables=lists, units={"position": "rad"}).position[0, 0] == 90
-
-
-def test_a_row_of_units_above_the_header(tmp_path):
-    lines = ["s,deg,mNm", ",".join(HEADER), "0,90,1000", "0.02,91,2000"]
-    chunk = one(write(tmp_path / "a.csv", lines))
-    assert np.allclose([chunk.position[0, 0], chunk.torque[0, 0]], [np.pi / 2, 1.0])
-    lines[0] = "log,of,cell"
-    assert one(write(tmp_path / "b.csv", lines)).position[0, 0] == 90
 
 
 def test_bars_between_columns_are_read_and_blanks_told(tmp_path):
@@ -191,96 +98,6 @@ def test_logs_that_a_logger_packs(tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    ("stamp", "entry"),
-    [
-        ("2026-01-15 06:00:00,250", {}),
-        ("15.01.2026 06:00:00.250", {}),
-        ("2026/01/15 06:00:00.250", {}),
-        ("20260115T060000,250", {}),
-        ("2026-01-15T07:00:00.250+01:00", {}),
-        ("2026-01-15 07:00:00.250", {"time_zone": "Europe/Berlin"}),
-        ("1768456800250", {}),
-        ("1768456800250000000", {}),
-    ],
-)
-def test_times_in_many_spellings(tmp_path, stamp, entry):
-    lines = [";".join(HEADER), f"{stamp};0.1;1.0", f"{stamp};0.2;1.0"]
-    chunk = one(write(tmp_path / "a.csv", lines), **entry)
-    assert chunk.dated
-    assert chunk.time[0] == pytest.approx(1768456800.25, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("stamp", "words"),
-    [
-        ("15/01/2026 06:00:00", "; write all times of the log as ISO 8601, this one as '2026-01-15T06:00:00'"),
-        ("1/15/26 6:00:00.5 PM", "this one as '2026-01-15T18:00:00.5'"),
-        ("15.01.26 06:00:00", "this one as '2026-01-15T06:00:00'"),
-        (
-            "01/02/2026 06:00:00",
-            "this one as '2026-02-01T06:00:00' (day first) or '2026-01-02T06:00:00' (month first)",
-        ),
-        (
-            "26-01-15 06:00:00",
-            "this one as '2015-01-26T06:00:00' (day first) or '2026-01-15T06:00:00' (year first)",
-        ),
-        ("06:00:00", "the day is lacking: write '2026-01-15T06:00:00', or seconds"),
-        ("6:00:00,5", "the day is lacking: write '2026-01-15T06:00:00.5', or seconds"),
-        ("15 Jan 2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
-        ("31/02/2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
-    ],
-)
-def test_what_to_write_for_a_time_in_another_spelling(tmp_path, stamp, words):
-    lines = [";".join(HEADER), f"{stamp};0.1;1.0", f"{stamp};0.2;1.0"]
-    with pytest.raises(InputError, match=re.escape(words) + "$"):
-        one(write(tmp_path / "a.csv", lines))
-
-
-def test_days_as_a_spreadsheet_counts_them(tmp_path):
-    """The key that was advised for them dated the logs 70 years ahead."""
-    days = 46037.25 + np.arange(50) * 0.02 / 86400
-    path = write(tmp_path / "a.csv", [";".join(HEADER), *(f"{t:.10f};0.1;1.0" for t in days)])
-    with pytest.raises(InputError, match=r"units: \{time: d\}"):
-        one(path)
-    chunk = one(path, units={"time": "d"}, time_zone="Europe/Berlin")
-    assert chunk.dated
-    assert np.allclose(chunk.time - (1768456800 - 3600), 0.02 * np.arange(50), atol=1e-4)
-    # Days of a clock of its own, and days since 1970, are none.
-    for begin, dated in ((3.0, False), (20468.25, True)):
-        path = write(tmp_path / "b.csv", [";".join(HEADER), *(f"{t:.10f};0.1;1.0" for t in days - days[0] + begin)])
-        chunk = one(path, units={"time": "d"})
-        assert chunk.dated is dated
-        assert chunk.time[0] == pytest.approx(begin * 86400)
-
-
-@pytest.mark.parametrize("rows", [4, 8, 50, 1000])
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_the_hour_that_comes_twice_where_summer_time_ends(tmp_path, suffix, rows):
-    begin = np.datetime64("2026-10-24T23:30:00", "s").astype(np.int64)
-    utc = begin + 60.0 * np.arange(240)
-    local = (utc + np.where(utc < begin + 5400, 7200, 3600)).astype("datetime64[s]")
-    numbers = np.arange(240.0)
-    path = tmp_path / f"a.{suffix}"
-    if suffix == "csv":
-        write(path, [";".join(HEADER), *(f"{t};{x};{x}" for t, x in zip(local, numbers, strict=True))])
-    else:
-        parquet.write_table(pa.table({"time": pa.array(local), HEADER[1]: numbers, HEADER[2]: numbers}), path)
-    entry = {"time_zone": "Europe/Berlin"}
-    chunks = list(read_log(path, layout_of(entry, ["a"]), rows))
-    assert np.array_equal(np.concatenate([c.time for c in chunks]), utc)
-    # The second time alone is the first: nothing tells.
-    late = write(tmp_path / "late.csv", [";".join(HEADER), *(f"{t};0.1;1.0" for t in local[90:160])])
-    assert one(late, **entry).time[0] == utc[90] - 3600
-
-
-def test_times_with_a_zone_and_without_are_told_with_the_row(tmp_path):
-    times = ["2026-01-15 06:00:00Z", "2026-01-15 06:00:01Z", "2026-01-15 06:00:02"]
-    path = write(tmp_path / "a.csv", [";".join(HEADER), *(f"{time};0.1;1.0" for time in times)])
-    with pytest.raises(InputError, match=r"with a zone and without are mixed: '2026-01-15 06:00:02' of row 4 names no"):
-        one(path)
-
-
-@pytest.mark.parametrize(
     ("stamp", "decimal"), [("2026-01-15 06:{:02}:00Z", "."), ("15.01.2026 06:{:02}:00", ","), ("{}", ",")]
 )
 def test_cells_that_cannot_be_read_are_left_out_alone(tmp_path, stamp, decimal):
@@ -291,53 +108,6 @@ def test_cells_that_cannot_be_read_are_left_out_alone(tmp_path, stamp, decimal):
     assert np.flatnonzero(np.isnan(chunk.torque[:, 0])).tolist() == [5]
     assert chunk.torque[-1, 0] == 39.5
     assert chunk.unread == (2, "row 7 has '#REF!' in column 'torque_1'")
-
-
-def test_nanoseconds_in_parquet(tmp_path):
-    columns = {"time": pa.array([1768456800250000001, 1768456800270000003]), "position_1": [0.1, 0.2]}
-    parquet.write_table(pa.table({**columns, "torque_1": [1.0, 2.0]}), tmp_path / "a.parquet")
-    for entry in ({}, {"units": {"time": "ns"}}):
-        chunk = one(tmp_path / "a.parquet", **entry)
-        assert chunk.dated
-        assert chunk.time.tolist() == pytest.approx([1768456800.25, 1768456800.27], abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    "kind", [pa.string(), pa.large_string(), pa.string_view(), pa.dictionary(pa.int32(), pa.string())]
-)
-def test_times_as_text_of_any_type_in_parquet(tmp_path, kind):
-    """Writers differ in the type that they take for texts."""
-    times = pa.array(["2026-01-15T09:00:00.25Z", "2026-01-15T09:00:00.27Z"]).cast(kind)
-    columns = {"time": times, "position_1": [0.1, 0.2], "torque_1": [1.0, 2.0]}
-    parquet.write_table(pa.table(columns), tmp_path / "a.parquet")
-    chunk = one(tmp_path / "a.parquet")
-    assert chunk.dated
-    assert chunk.time.tolist() == pytest.approx([1768467600.25, 1768467600.27], abs=1e-6)
-
-
-def test_currents_need_a_torque_constant(tmp_path):
-    path = write(tmp_path / "a.csv", [",".join(HEADER), "s,rad,A", "0,0.1,2.0", "1,0.2,-9999"])
-    with pytest.raises(InputError, match="'torque_constant' in N m/A"):
-        one(path)
-    chunk = one(path, torque_constant=[10.0], scale=0.5, sign=[-1])
-    assert chunk.torque[0, 0] == pytest.approx(-10.0)
-    assert chunk.position[0, 0] == pytest.approx(-0.1)
-    assert np.isnan(chunk.torque[1, 0])
-
-
-@pytest.mark.parametrize("unit", ["A", "Ampere", "amps", "amperes", "mA"])
-def test_currents_are_known_by_all_names(tmp_path, unit):
-    rows, size = ["0,0.1,2.0", "1,0.2,3.0"], 1e-3 if unit == "mA" else 1.0
-    with_row = write(tmp_path / "a.csv", [",".join(HEADER), f"s,rad,{unit}", *rows])
-    without = write(tmp_path / "b.csv", [",".join(HEADER), *rows])
-    for chunk in (
-        one(with_row, torque_constant=[10.0]),
-        one(without, torque_constant=[10.0], units={"torque": unit}),
-    ):
-        assert chunk.torque[:, 0] == pytest.approx([20.0 * size, 30.0 * size])
-        assert chunk.units["torque"] == ("mA" if unit == "mA" else "A")
-    with pytest.raises(InputError, match="'torque_constant' in N m/A"):
-        one(with_row)
 
 
 def test_what_stands_for_a_missing_value_is_missing(tmp_path):
