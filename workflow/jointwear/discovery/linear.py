@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.special import gammaincc
+from scipy.special import gammaincc, gammainccinv
 
 #: Share of the square of a direction of columns that other terms have to leave for it to be free.
 FREE = 1e-3
@@ -181,9 +181,17 @@ def chance(statistic: float, freedom: int, samples: int) -> tuple[float, float]:
     ----------
     statistic, freedom : of :func:`chi_square`, freedom not 0.
     """
-    # The variance of the noise is estimated too, to sqrt(2 / samples): a chi-square is known no better.
-    known = 1.0 + np.sqrt(2.0 / samples)
-    return float(gammaincc(freedom / 2, statistic / 2 / known)), 0.5 * (statistic - freedom)
+    return float(gammaincc(freedom / 2, statistic / 2 / _known(samples))), 0.5 * (statistic - freedom)
+
+
+def least_nats(probability: float, freedom: int, samples: int) -> float:
+    """Return what a chi-square is worth [nats] that noise alone reaches with a probability: :func:`chance` inverted."""
+    return float(_known(samples) * gammainccinv(freedom / 2, probability)) - 0.5 * freedom
+
+
+def _known(samples: int) -> float:
+    """Return how far off a chi-square may be: the variance of the noise is estimated too, to sqrt(2 / samples)."""
+    return 1.0 + np.sqrt(2.0 / samples)
 
 
 def fitted(columns: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:

@@ -13,11 +13,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
-from jointwear.discovery.linear import Fit, Term, chance
+from jointwear.discovery.linear import Fit, Term, chance, least_nats
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.least_torque import least_square
@@ -33,8 +34,11 @@ FREQUENCIES = tuple(float(f) for f in np.geomspace(1.5, 20.0, 53))
 #: Dampings of these swings, over that at which they end, and the one with which hardly anything swings.
 DAMPINGS, DULL = (0.03, 0.1), 0.7
 #: Every so many of the frequencies are looked at first, with the largest damping, whose peaks are as wide as that; and
-#: the share of what a swing needs that one of them has to say, or none is looked for: the rest costs four times that.
+#: the share of what a swing needs, not to be one that noise feigns, that one of them has to say, or none is looked for:
+#: the rest costs four times that.
 COARSE, HINT = 2, 0.5
+#: Swings of which the best is told.
+_SEARCHED = len(FREQUENCIES) * len(DAMPINGS)
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,11 @@ class Rocking:
         problem = self.white.problem
         base, state = RockingBase(problem.dynamics), problem.train_state
         return base.moments(state.position, state.velocity, state.acceleration), *base.pulls(state.position)
+
+    @cached_property
+    def _folds(self) -> dict[int, list[tuple[int, slice]]]:
+        """Axis -> the runs of whitened rows that are in one fold, with that fold."""
+        return {axis: _runs(self.white.folds(axis)) for axis in self.white.problem.judged}
 
     def torques(self, frequency: float, damping: float) -> np.ndarray:
         """Return the torques (m, n, 2) [N m] of the joints where the base swings about each of its directions."""
@@ -116,9 +125,7 @@ class Rocking:
         b, gram = np.zeros((folds, WAYS)), np.zeros((folds, WAYS, WAYS))
         for axis, columns in blocks.items():
             own = columns - fit.design[axis] @ instead[fit.columns[axis]]
-            fold = self.white.folds(axis)
-            for one in np.unique(fold):
-                rows = fold == one
+            for one, rows in self._folds[axis]:
                 b[one] += own[rows].T @ fit.residual[axis][rows]
                 gram[one] += own[rows].T @ own[rows]
         return b, gram
@@ -155,7 +162,7 @@ def swing_beside(outcome: Outcome) -> Swing | None:
     settings = outcome.problem.settings
     least = max([settings.accept, *(settings.form_error * n.evidence for n in outcome.named if swings(n))])
     fit = fit_beside_forms(outcome.white, outcome.named)
-    swing = Rocking(outcome.white).found(fit, settings.accept)
+    swing = Rocking(outcome.white).found(fit, max(least, _least_sure(outcome)))
     return swing if swing is not None and _sure(outcome, swing, least) else None
 
 
@@ -196,8 +203,24 @@ def _sure(outcome: Outcome, swing: Swing, least: float) -> bool:
 
 def _chance(outcome: Outcome, swing: Swing) -> float:
     """Return how many swings as good as one noise is expected to hold, of all that are searched."""
-    samples = sum(len(y) for y in outcome.white.targets)
-    return len(FREQUENCIES) * len(DAMPINGS) * chance(2.0 * swing.nats + swing.freedom, swing.freedom, samples)[0]
+    return _SEARCHED * chance(2.0 * swing.nats + swing.freedom, swing.freedom, _samples(outcome))[0]
+
+
+def _least_sure(outcome: Outcome) -> float:
+    """Return the nats without which noise may feign any swing, one of the base about one direction or about both."""
+    once, samples = outcome.problem.settings.unexplained_p / _SEARCHED, _samples(outcome)
+    return min(least_nats(once, freedom, samples) for freedom in range(1, WAYS + 1))
+
+
+def _samples(outcome: Outcome) -> int:
+    """Return how many whitened samples are searched."""
+    return sum(len(y) for y in outcome.white.targets)
+
+
+def _runs(fold: np.ndarray) -> list[tuple[int, slice]]:
+    """Return the runs of one value in folds (m,), with that value."""
+    ends = [0, *(np.flatnonzero(np.diff(fold)) + 1), len(fold)]
+    return [(int(fold[a]), slice(a, b)) for a, b in pairwise(ends) if a < b]
 
 
 def _blocks(white: White, swing: Swing) -> dict[int, np.ndarray]:
