@@ -9,7 +9,7 @@ from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
-from jointwear.discovery.search import decide, standing_alone
+from jointwear.discovery.search import decide, leftovers
 from jointwear.discovery.search.early_torque import delay_of
 from jointwear.discovery.search.standing_alone import doubt_early_torque, stand_alone
 
@@ -73,7 +73,7 @@ def test_an_early_torque_is_asked_again_when_a_name_beside_it_has_fallen(white, 
     assert outcome.named
     left = [Unexplained(AXIS, "line over time", "Hz", 6.6, 6.7, 1e-28, 80.0)]
     outcome.unexplained = left
-    monkeypatch.setattr(standing_alone, "unexplained", lambda _: (left, left))
+    monkeypatch.setattr(leftovers, "unexplained", lambda _: (left, left))
     doubt_early_torque(outcome)
     assert not outcome.named
     assert "early" in outcome.suspects[0][1]

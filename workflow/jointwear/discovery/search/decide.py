@@ -35,7 +35,7 @@ from jointwear.discovery.search.acceptance import (
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.discovery.search.early_torque import delay_of
 from jointwear.discovery.search.forms_beyond import of_another_form
-from jointwear.discovery.search.leftovers import unexplained
+from jointwear.discovery.search.leftovers import fit_again
 from jointwear.discovery.search.other_half import with_other_halves
 from jointwear.discovery.search.posterior import weigh
 from jointwear.discovery.search.standing_alone import doubt_early_torque, stand_alone
@@ -55,8 +55,7 @@ MOST_REFUSED = 24
 
 def settle(outcome: Outcome) -> None:
     """Fit the named effects again and test what they leave; names that do not stand beside it become suspects."""
-    outcome.fit = outcome.white.fit([t for n in outcome.named for t in n.terms])
-    outcome.unexplained, outcome.profile = unexplained(outcome)
+    fit_again(outcome)
     if outcome.named:
         stand_alone(outcome)
 
@@ -92,8 +91,7 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
     # A rival that took the place of a name may have been a suspect before.
     outcome.suspects = [s for s in outcome.suspects if s[0].candidate.key not in named]
     if named != before:
-        outcome.fit = white.fit([t for n in outcome.named for t in n.terms])
-        outcome.unexplained, outcome.profile = unexplained(outcome)
+        fit_again(outcome)
         doubt_early_torque(outcome)
     return outcome
 

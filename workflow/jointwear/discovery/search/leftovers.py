@@ -29,6 +29,12 @@ SPEEDS = 4
 STRONG, NEAR = 0.7, 0.5
 
 
+def fit_again(outcome: Outcome) -> None:
+    """Fit the effects that are named and test what they leave, after a change of the names. Changes `outcome`."""
+    outcome.fit = outcome.white.fit([t for n in outcome.named for t in n.terms])
+    outcome.unexplained, outcome.profile = unexplained(outcome)
+
+
 def unexplained(
     outcome: Outcome, robust: bool = False, asked: Collection[tuple[int, str]] | None = None
 ) -> tuple[list[Unexplained], list[Unexplained]]:

@@ -11,7 +11,7 @@ from jointwear.discovery.estimates.outcome import Outcome, Refusal
 from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.setting_up import FEWEST_SAMPLES
 from jointwear.discovery.search.carried import search_beside
-from jointwear.discovery.search.leftovers import unexplained
+from jointwear.discovery.search.leftovers import fit_again
 from jointwear.discovery.search.searches import search, whitened
 from jointwear.discovery.search.slow_noise import beside_slow_noise
 from jointwear.files.errors import InputError, nearest
@@ -67,8 +67,7 @@ def repeat(outcome: Outcome, problem: Problem | None = None) -> Outcome:
     changed = len(kept) < len(outcome.named)
     outcome.named = kept
     if changed:
-        outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
-        outcome.unexplained, outcome.profile = unexplained(outcome)
+        fit_again(outcome)
     return outcome
 
 

@@ -19,7 +19,7 @@ from jointwear.discovery.search.encoder_wave import encoder_wave
 from jointwear.discovery.search.explained import explained, explained_elsewhere
 from jointwear.discovery.search.in_its_place import better_in_its_place
 from jointwear.discovery.search.least_torque import rms
-from jointwear.discovery.search.leftovers import LINE, unexplained, without_outliers
+from jointwear.discovery.search.leftovers import LINE, fit_again, without_outliers
 from jointwear.discovery.search.rocking import Swing, swing_beside, swing_terms, swings
 from jointwear.discovery.search.windings import stiffens, wound_up_further_in
 from jointwear.effects import get_effect
@@ -70,8 +70,7 @@ def _fallen(outcome: Outcome, doubts: Sequence[Callable[[Outcome, Named], str | 
     if len(kept) == len(outcome.named):
         return False
     outcome.named = kept
-    outcome.fit = outcome.white.fit([t for n in kept for t in n.terms])
-    outcome.unexplained, outcome.profile = unexplained(outcome)
+    fit_again(outcome)
     return True
 
 
