@@ -172,7 +172,7 @@ def test_a_spring_that_a_file_lacks_is_no_friction_that_builds_up(stiffness, rou
     usable, inertial = np.abs(v) > 0.005, rng.standard_normal((*v.shape, 3))
     looked_at = (v, a, missing, inertial, level, *LIMITS)
     assert built_up_friction(usable, *looked_at)[0] is not None
-    own, other = built_up_anywhere(usable, np.zeros(len(q)), q, *looked_at)
+    own, other = built_up_anywhere(usable, np.zeros(len(q)), q, *looked_at, lambda: np.zeros((*v.shape, 3)))
     assert (own is not None) is rounds
     assert other is None
 
@@ -191,7 +191,30 @@ def test_friction_builds_up_beside_another_level_in_each_record_too(monkeypatch,
         return [None] * len(found) if levels and not lasts else found
 
     monkeypatch.setattr(building_up, "built_up_friction", by_record)
-    own, other = built_up_anywhere(usable, record, np.cumsum(velocity, axis=0) / RATE, *parts[1:], *LIMITS)
+    position = np.cumsum(velocity, axis=0) / RATE
+    own, other = built_up_anywhere(
+        usable, record, position, *parts[1:], *LIMITS, lambda: np.zeros((*velocity.shape, 3))
+    )
+    assert (own is not None) is lasts
+    assert other is None
+
+
+@pytest.mark.parametrize("lasts", [True, False])
+def test_friction_builds_up_beside_gravity_from_another_direction_too(monkeypatch, lasts):
+    """A tilt of 2.5 degrees was told as an arctan over 0.03 rad/s, and a Stribeck curve beside it."""
+    parts = samples(lambda v, _: level_of(v) * np.tanh(np.abs(v) / 0.05))
+    usable, velocity = parts[0], parts[1]
+    pulls = np.random.default_rng(6).standard_normal((*velocity.shape, 3))
+    asked = built_up_friction
+
+    def beside_pulls(usable, velocity, acceleration, missing, beside, *others):
+        found = asked(usable, velocity, acceleration, missing, beside, *others)
+        leans = np.array_equal(beside[..., -3:], pulls)
+        return [None] * len(found) if leans and not lasts else found
+
+    monkeypatch.setattr(building_up, "built_up_friction", beside_pulls)
+    position = np.cumsum(velocity, axis=0) / RATE
+    own, other = built_up_anywhere(usable, np.zeros(len(velocity)), position, *parts[1:], *LIMITS, lambda: pulls)
     assert (own is not None) is lasts
     assert other is None
 

@@ -141,17 +141,18 @@ def built_up_anywhere(
     level: np.ndarray,
     least: float,
     form_error: float,
+    pulls: Callable[[], np.ndarray],
 ) -> list[BuiltUp | None]:
-    """Return what :func:`built_up_friction` does, of axes that show it beside any torque over their position too, and
-    beside friction of another level in each record.
+    """Return what :func:`built_up_friction` does, of axes that show it beside any torque over their position and
+    gravity from another direction too, and beside friction of another level in each record.
 
-    A spring that a file lacks, beside moves that are slow in few places, looks like friction that builds up. So does
-    friction that differs from record to record, of which one is slower than another.
+    A spring that a file lacks, or a base that leans, beside moves that are slow in few places, looks like friction that
+    builds up. So does friction that differs from record to record, of which one is slower than another.
 
     Parameters
     ----------
-    record : (N,) label of the record of each sample. position : (N, n) [rad]. The others are those of
-        :func:`built_up_friction`.
+    record : (N,) label of the record of each sample. position : (N, n) [rad]. pulls : derivative (N, n, 3) of the
+        torques by gravity [kg m], asked where an axis shows it. The others are those of :func:`built_up_friction`.
     """
 
     def found(beside: np.ndarray) -> list[BuiltUp | None]:
@@ -164,7 +165,7 @@ def built_up_anywhere(
     if levels.shape[-1]:
         by_record = found(np.concatenate([inertial, levels], axis=-1))
         alone = [a if b is not None else None for a, b in zip(alone, by_record, strict=True)]
-    beside = found(np.concatenate([inertial, _over_position(usable, position)], axis=-1))
+    beside = found(np.concatenate([inertial, _over_position(usable, position), pulls()], axis=-1))
     return [b if a is not None else None for a, b in zip(alone, beside, strict=True)]
 
 

@@ -81,6 +81,7 @@ def build_problem(recording: Recording, robot: Robot, settings: Settings, measur
         robot.coulomb(v),
         settings.accept,
         settings.form_error,
+        pulls,
     )
     measured = with_whole_friction(measured, built_up, settings.usual)
     counts = np.sum(measured.usable[train], axis=0)
