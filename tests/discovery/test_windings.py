@@ -8,7 +8,7 @@ from jointwear.discovery.estimates.outcome import Named, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate
 from jointwear.discovery.search.windings import _wind_up_of, stiffens, wound_up_further_in
-from jointwear.effects.swing import wind_up
+from jointwear.effects.swing import torque_of, wind_up
 
 AXIS, INERTIA, STIFFNESS, DAMPING = 1, 3.0, 4000.0, 0.05
 NONLINEAR = {"inertia_over_stiffness": INERTIA / STIFFNESS, "inertia": INERTIA, "side": 1, "damping": DAMPING}
@@ -17,12 +17,11 @@ NONLINEAR = {"inertia_over_stiffness": INERTIA / STIFFNESS, "inertia": INERTIA, 
 def lag(white, change):
     """Return the torques (m, n) of a link behind a gear whose stiffness changes with the square of its load."""
     state = white.problem.train_state
-    by_acceleration, by_angle = state.wind_up_regressor(AXIS)
+    slopes = by_acceleration, _, by_angle = state.wind_up_regressor(AXIS)
     load, inertia = state.load[:, AXIS], by_acceleration[:, AXIS]
     more = change * STIFFNESS * (load**2 / np.mean(load**2) - 1.0)
     drag = 2 * DAMPING * np.sqrt(STIFFNESS * INERTIA)
-    twist, acceleration = wind_up(state, load, inertia, STIFFNESS, drag, by_angle[:, AXIS] + more)
-    return -by_acceleration * acceleration[:, None] - by_angle * twist[:, None]
+    return -torque_of(wind_up(state, load, inertia, STIFFNESS, drag, by_angle[:, AXIS] + more), slopes, AXIS)
 
 
 def named(white, candidate, torques):

@@ -57,9 +57,12 @@ def test_gravity(oracle, puma):
 def test_slopes_are_differences_of_the_torque(puma):
     random = np.random.default_rng(3)
     q, v, a = random.normal(size=(3, 4, 6))
+    by_angle, by_velocity = puma.torque_slopes(q, v, a)
     for joint, step in enumerate(1e-5 * np.eye(6)):
-        differences = (puma.rigid_body_torque(q + step, v, a) - puma.rigid_body_torque(q - step, v, a)) / 2e-5
-        np.testing.assert_allclose(puma.torque_slopes(q, v, a)[:, :, joint], differences, atol=1e-6)
+        turned = (puma.rigid_body_torque(q + step, v, a) - puma.rigid_body_torque(q - step, v, a)) / 2e-5
+        np.testing.assert_allclose(by_angle[:, :, joint], turned, atol=1e-6)
+        faster = (puma.rigid_body_torque(q, v + step, a) - puma.rigid_body_torque(q, v - step, a)) / 2e-5
+        np.testing.assert_allclose(by_velocity[:, :, joint], faster, atol=1e-6)
 
 
 def test_mass_matrix(oracle, puma):

@@ -93,7 +93,9 @@ def test_gravity_changes_with_the_angle_of_a_link_as_small_turns_say(tmp_path):
         regressor = wind_up_regressor(dynamics, position, still, still)
         for axis, turn in enumerate(1e-4 * np.eye(n)):
             change = dynamics.gravity_torque(position + turn) - dynamics.gravity_torque(position - turn)
-            by_acceleration, by_angle = regressor(axis)
+            by_acceleration, by_velocity, by_angle = regressor(axis)
+            # At rest nothing changes in proportion to a velocity.
+            np.testing.assert_array_equal(by_velocity, 0.0)
             np.testing.assert_allclose(by_angle, change / 2e-4, atol=1e-6)
             inertia = dynamics.mass_matrix(position)[..., axis] - np.eye(n)[axis] * robot.armature[axis]
             np.testing.assert_allclose(by_acceleration, inertia, atol=1e-12)
@@ -102,12 +104,18 @@ def test_gravity_changes_with_the_angle_of_a_link_as_small_turns_say(tmp_path):
 def test_the_angle_of_a_link_changes_what_the_other_joints_accelerate_and_its_own_gravity_alone():
     dynamics, n = Dynamics(ROBOT), ROBOT.joints
     motion = np.random.default_rng(7).normal(size=(3, 20, n))
-    regressor, slopes = wind_up_regressor(dynamics, *motion), dynamics.torque_slopes(*motion)
+    regressor, slopes = wind_up_regressor(dynamics, *motion), dynamics.torque_slopes(*motion)[0]
     level = wind_up_regressor(dynamics, motion[0], *np.zeros_like(motion[1:]))
     for axis in range(n):
         own = np.arange(n) == axis
-        by_angle = regressor(axis)[1]
+        _, by_velocity, by_angle = regressor(axis)
         np.testing.assert_allclose(by_angle[:, ~own], slopes[:, ~own, axis])
-        np.testing.assert_allclose(by_angle[:, own], level(axis)[1][:, own])
+        np.testing.assert_allclose(by_angle[:, own], level(axis)[2][:, own])
+        # Torque is a square of the velocities: a difference about the middle is exact.
+        faster, slower = (motion[1] + turn * own for turn in (1.0, -1.0))
+        change = dynamics.rigid_body_torque(motion[0], faster, motion[2]) - dynamics.rigid_body_torque(
+            motion[0], slower, motion[2]
+        )
+        np.testing.assert_allclose(by_velocity, change / 2.0, atol=1e-9)
     # By its acceleration too the torque of a shoulder changes with its own angle.
-    assert not np.allclose(regressor(1)[1][:, 1], slopes[:, 1, 1])
+    assert not np.allclose(regressor(1)[2][:, 1], slopes[:, 1, 1])

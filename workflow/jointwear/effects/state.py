@@ -15,7 +15,7 @@ from jointwear.robots.robot import Robot
 from jointwear.statistics.runs import runs
 
 #: Axis -> derivatives (..., n) of the torques by the acceleration and by the angle of one link.
-WindUp = Callable[[int], tuple[np.ndarray, np.ndarray]]
+WindUp = Callable[[int], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class State:
         parameters of a payload in the last link frame, shape (..., n, 10), or None.
     gravity_regressor : function without arguments that returns the derivative of the torque by the vector of gravity
         in the base frame, shape (..., n, 3), or None.
-    wind_up_regressor : axis -> derivatives of the torques, both (..., n), by the acceleration of its link without
-        motor inertia, and by the angle of its link, on its own axis of gravity alone; or None.
+    wind_up_regressor : axis -> derivatives of the torques, each (..., n), by the acceleration of its link without
+        motor inertia, by the velocity and by the angle of its link, on its own axis of gravity alone; or None.
     torque_kind : where the torque that is to be explained was taken: "motor", "command" or "link_sensor".
     passes : frequencies [Hz] (...,) -> share that a filter of the torque that is to be explained lets pass, as that of
         a recording at a high rate; None where all does.
@@ -216,9 +216,9 @@ def _part_of_wind_up(regressor: WindUp | None, chosen: np.ndarray) -> WindUp | N
         return None
 
     @cache
-    def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray]:
-        by_acceleration, by_angle = regressor(axis)
-        return by_acceleration[chosen], by_angle[chosen]
+    def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        by_acceleration, by_velocity, by_angle = regressor(axis)
+        return by_acceleration[chosen], by_velocity[chosen], by_angle[chosen]
 
     return of_axis
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dtbtrs
@@ -21,6 +22,14 @@ SOFTEST = 0.1
 FADED = 7.0
 
 
+class Twist(NamedTuple):
+    """How far a gear is wound up: angle w [rad], speed w' [rad/s] and (J w')' / J [rad/s2], each (m,)."""
+
+    angle: np.ndarray
+    speed: np.ndarray
+    acceleration: np.ndarray
+
+
 def drag_of(stiffness: float, inertia: float, damping: float) -> float:
     """Return D [N m s/rad] of a `damping` over that at which a swing ends, of K [N m/rad] and an inertia [kg m2]."""
     return 2.0 * damping * np.sqrt(stiffness * inertia)
@@ -33,8 +42,8 @@ def wind_up(
     stiffness: float,
     drag: float,
     by_angle: np.ndarray | float = 0.0,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the wind-up [rad] of a gear and (J w')' / J [rad/s2], both (m,), 0 without an order.
+) -> Twist:
+    """Return the wind-up of a gear, 0 without an order.
 
     (J w')' + D w' + (K + g') w = load, the equation of motion of the link made linear about a rigid gear: the inertia
     J changes with the pose of what is behind, and gravity pulls a link back or on that is wound up. Load is straight
@@ -47,12 +56,12 @@ def wind_up(
     stiffness, drag : K [N m/rad] and D [N m s/rad]. by_angle : (m,) g', derivative of gravity by the angle of the link
     [N m/rad].
     """
-    place, acceleration = np.zeros(len(load)), np.zeros(len(load))
+    none = Twist(*np.zeros((3, len(load))))
     if state.record is None or stiffness <= 0:
-        return place, acceleration
+        return none
     parts = record_slices(state)
     if all(part.stop - part.start < 2 for part in parts):
-        return place, acceleration
+        return none
     mass, pull = np.maximum(inertia, LEAST), np.array(load, dtype=float)
     for part in parts:
         pull[part][:STRUCK] = pull[min(part.start + STRUCK, part.stop - 1)]
@@ -71,13 +80,36 @@ def wind_up(
 
     free = [felt(p, a) for (p, _), a in zip(swings, accelerations, strict=True)]
     shares = _shares(felt(place[early], acceleration[early]), *free, first.starts)
-    for share, (swing, _), turn in zip(shares, swings, accelerations, strict=True):
+    for share, (swing, pace), turn in zip(shares, swings, accelerations, strict=True):
         place[early] -= share * swing
+        speed[early] -= share * pace
         acceleration[early] -= share * turn
     for part in parts:
         if part.stop - part.start < 2:
-            place[part] = acceleration[part] = 0.0
-    return place, acceleration
+            place[part] = speed[part] = acceleration[part] = 0.0
+    return Twist(place, speed, acceleration)
+
+
+def torque_of(twist: Twist, slopes: tuple[np.ndarray, np.ndarray, np.ndarray], axis: int) -> np.ndarray:
+    """Return the torques (m, n) [N m] of the joints by a twist behind one of them, that of its own drag left out.
+
+    M w'' + (dtau/dv) w' + (dtau/dq) w, all of it of the link that turns. On its own axis the first two are (J w')'.
+
+    Parameters
+    ----------
+    slopes : derivatives of the torques, each (m, n), by acceleration, velocity and angle of the link behind the axis.
+    """
+    by_acceleration, by_velocity, by_angle = slopes
+    turning = twist.acceleration - by_velocity[:, axis] / np.maximum(by_acceleration[:, axis], LEAST) * twist.speed
+    torque = by_acceleration * turning[:, None] + by_velocity * twist.speed[:, None] + by_angle * twist.angle[:, None]
+    torque[:, axis] = torque_on_own(twist, slopes, axis)
+    return torque
+
+
+def torque_on_own(twist: Twist, slopes: tuple[np.ndarray, np.ndarray, np.ndarray], axis: int) -> np.ndarray:
+    """Return the torque (m,) of the joint itself by a twist behind it, as of :func:`torque_of`."""
+    by_acceleration, _, by_angle = slopes
+    return by_acceleration[:, axis] * twist.acceleration + by_angle[:, axis] * twist.angle
 
 
 def _shares(driven: np.ndarray, one: np.ndarray, other: np.ndarray, starts: np.ndarray) -> np.ndarray:

@@ -189,15 +189,17 @@ class Dynamics:
         rest = np.zeros_like(position, dtype=float)
         return self.rigid_body_torque(position, rest, rest)
 
-    def torque_slopes(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """Return what an angle (last axis) changes of the torque without friction of each joint [N m/rad].
+    def torque_slopes(
+        self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return what an angle and what a velocity (last axis) change of the torque without friction of each joint.
 
-        Shape (m, n, n) for states (m, n).
+        Shape (m, n, n) each for states (m, n), [N m/rad] and [N m s/rad].
         """
-        slopes = np.empty((*position.shape, position.shape[-1]))
+        slopes = np.empty((2, *position.shape, position.shape[-1]))
         for i, state in enumerate(zip(position, velocity, acceleration, strict=True)):
-            slopes[i] = pin.computeRNEADerivatives(self.model, self.data, *state)[0]
-        return slopes
+            slopes[:, i] = pin.computeRNEADerivatives(self.model, self.data, *state)[:2]
+        return slopes[0], slopes[1]
 
     def mass_matrix(self, position: np.ndarray) -> np.ndarray:
         """Return M(q) with motor inertia, shape (..., n, n) [kg m2]."""

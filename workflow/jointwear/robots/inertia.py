@@ -39,8 +39,8 @@ def wind_up_regressor(
     velocity: np.ndarray,
     acceleration: np.ndarray,
     pulls: Callable[[], np.ndarray] | None = None,
-) -> Callable[[int], tuple[np.ndarray, np.ndarray]]:
-    """Return axis -> derivatives (m, n) of the torques by the acceleration of one link, and by its angle.
+) -> Callable[[int], tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Return axis -> derivatives (m, n) of the torques by the acceleration of one link, by its velocity and its angle.
 
     The inertia of the motor, which a twist of its gear leaves behind, is left out. Worked out once, when first asked.
     By its angle a link changes the inertia that the other joints move too: an elbow of 900 N m/rad that gives way by
@@ -68,14 +68,15 @@ def wind_up_regressor(
         return np.einsum("mjk,mjk->mj", pulls() if pulls else gravity_regressor(robot, position), gravity)
 
     @cache
-    def slopes() -> np.ndarray:
+    def slopes() -> tuple[np.ndarray, np.ndarray]:
         return dynamics.torque_slopes(position, velocity, acceleration)
 
     @cache
-    def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray]:
-        by_angle = slopes()[..., axis].copy()
+    def of_axis(axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        by_angle, by_velocity = (slope[..., axis] for slope in slopes())
+        by_angle = by_angle.copy()
         by_angle[..., axis] = turned()[..., axis]
-        return masses()[..., axis], by_angle
+        return masses()[..., axis], by_velocity, by_angle
 
     return of_axis
 

@@ -81,8 +81,8 @@ class Rocking:
             mean = float(np.mean(inertia))
             stiffness = mean * (2.0 * np.pi * frequency) ** 2
             drag = drag_of(stiffness, mean, damping)
-            angle, acceleration = wind_up(state, -moments[:, way], inertia, stiffness, drag)
-            torque = by_acceleration[:, way] * acceleration[:, None] + by_angle[:, way] * angle[:, None]
+            twist = wind_up(state, -moments[:, way], inertia, stiffness, drag)
+            torque = by_acceleration[:, way] * twist.acceleration[:, None] + by_angle[:, way] * twist.angle[:, None]
             result.append(torque[:, WAYS:])
         return np.stack(result, axis=-1)
 

@@ -19,7 +19,7 @@ from jointwear.discovery.search.rocking import swings
 from jointwear.discovery.search.tolerance import fit_beside_forms
 from jointwear.effects import get_effect
 from jointwear.effects.order import second_derivative
-from jointwear.effects.swing import drag_of, wind_up
+from jointwear.effects.swing import drag_of, torque_of, wind_up
 
 #: Share by which the stiffness is moved to learn what that changes.
 STEP = 0.2
@@ -39,14 +39,14 @@ def stiffens(outcome: Outcome, one: Named) -> float | None:
         return None
     white, problem, settings = outcome.white, outcome.problem, outcome.problem.settings
     axis, p, state = one.candidate.axis, one.candidate.nonlinear, outcome.problem.train_state
-    by_acceleration, by_angle = regressor(axis)
+    slopes = by_acceleration, _, by_angle = regressor(axis)
     load, inertia = state.load[:, axis], by_acceleration[:, axis]
     stiffness = p["inertia"] / p["inertia_over_stiffness"]
     drag = drag_of(stiffness, p["inertia"], p["damping"])
 
     def lag(more: np.ndarray) -> np.ndarray:
-        twist, acceleration = wind_up(state, load, inertia, stiffness, drag, by_angle[:, axis] + more)
-        return -by_acceleration * acceleration[:, None] - by_angle * twist[:, None]
+        twist = wind_up(state, load, inertia, stiffness, drag, by_angle[:, axis] + more)
+        return -torque_of(twist, slopes, axis)
 
     mean = max(rms(load, problem.usable[:, axis]) ** 2, np.finfo(float).tiny)
     change = (lag(STEP * stiffness * (load**2 / mean - 1.0)) - lag(np.zeros(len(load)))) / STEP
@@ -83,7 +83,7 @@ def _wind_up_of(outcome: Outcome, inner: int, axis: int) -> Term | None:
     where it changes nothing of it."""
     white, state = outcome.white, outcome.white.timing_state(inner)
     # About a vertical axis gravity changes by rounding alone.
-    by_acceleration, by_angle = (
+    by_acceleration, _, by_angle = (
         np.where(np.abs(x).max(axis=0) > ROUNDING * np.abs(x).max(), x, 0.0)[:, axis]
         for x in outcome.problem.train_state.wind_up_regressor(inner)
     )

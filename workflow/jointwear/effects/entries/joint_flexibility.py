@@ -5,7 +5,7 @@ import numpy as np
 from jointwear.effects.bends import timing_bend
 from jointwear.effects.effect import Derived, Effect, Parameter
 from jointwear.effects.order import first_derivative, second_derivative, up_to
-from jointwear.effects.swing import drag_of, wind_up
+from jointwear.effects.swing import drag_of, torque_of, torque_on_own, wind_up
 
 #: Jm G^2 / K [s^2] to start from, for drives of 2 to 23 Hz; reversals of the motor move with it.
 _SHARES = (5e-5, 1.3e-4, 3.2e-4, 8e-4, 2e-3, 5e-3)
@@ -28,23 +28,20 @@ def _spreads(p):
 
 def _spread(state, axis, source, p):
     """Return the torques (..., n) that a link lacks which lags behind its motor by the wind-up."""
-    return _lag(state, axis, p, slice(None))
+    if state.record is None:
+        return np.zeros(np.shape(state.position))
+    return -torque_of(_twist(state, axis, p), state.wind_up_regressor(axis), axis)
 
 
-def _lag(state, axis, p, axes):
-    """Return these torques of some axes alone."""
-    by_acceleration, by_angle = state.wind_up_regressor(axis)
+def _twist(state, axis, p):
+    """Return the wind-up of a gear in states that have an order."""
+    by_acceleration, _, by_angle = state.wind_up_regressor(axis)
     stiffness = p["inertia"] / p["inertia_over_stiffness"]
     load, inertia = state.load[..., axis], by_acceleration[..., axis]
-    if state.record is None:
-        return np.zeros(np.shape(state.position[..., axes]))
     drag = drag_of(stiffness, p["inertia"], p.get("damping", _DAMPING))
     key = "wind-up", axis, stiffness, drag
     keep = p["inertia_over_stiffness"] in _SWINGS
-    twist, acceleration = state.once(
-        key, lambda: wind_up(state, load, inertia, stiffness, drag, by_angle[..., axis]), keep
-    )
-    return -by_acceleration[:, axes] * acceleration[:, None] - by_angle[:, axes] * twist[:, None]
+    return state.once(key, lambda: wind_up(state, load, inertia, stiffness, drag, by_angle[..., axis]), keep)
 
 
 def _columns(state, axis, source, p):
@@ -52,7 +49,9 @@ def _columns(state, axis, source, p):
     load, velocity = state.load[..., axis], state.velocity[..., axis]
     share, inertia = p["inertia_over_stiffness"], p.get("inertia", 0.0)
     if _spreads(p) and state.wind_up_regressor is not None:
-        return _lag(state, axis, p, [axis])
+        if state.record is None:
+            return np.zeros((*np.shape(load), 1))
+        return -torque_on_own(_twist(state, axis, p), state.wind_up_regressor(axis), axis)[:, None]
     if p.get("band", 0.0) > 0:
         load = up_to(state, load, p["band"])
     torque = share * second_derivative(state, load)
@@ -102,7 +101,7 @@ EFFECT = Effect(
     identifier="joint_flexibility",
     name="Joint flexibility",
     equation="(Jm G^2/K) d2(tau_load)/dt2, friction at v + d(tau_load)/dt / K; "
-    "motor side: -(M/J) d(J dw/dt)/dt - (dtau/dq) w, of its own axis (dg/dq) w, with "
+    "motor side: -M d2w/dt2 - (dtau/dv) dw/dt - (dtau/dq) w, of its own axis -d(J dw/dt)/dt - (dg/dq) w, with "
     "d(J dw/dt)/dt + D dw/dt + (K + dg/dq) w = tau_load",
     parameters=(
         Parameter(
