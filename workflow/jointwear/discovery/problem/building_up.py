@@ -161,12 +161,13 @@ def built_up_anywhere(
     alone = found(inertial)
     if not any(alone):
         return alone
+    over_position = np.concatenate([inertial, _over_position(usable, position)], axis=-1)
+    gates = [found(np.concatenate([over_position, pulls()], axis=-1))]
     levels = _of_records(usable, record, velocity)
     if levels.shape[-1]:
-        by_record = found(np.concatenate([inertial, levels], axis=-1))
-        alone = [a if b is not None else None for a, b in zip(alone, by_record, strict=True)]
-    beside = found(np.concatenate([inertial, _over_position(usable, position), pulls()], axis=-1))
-    return [b if a is not None else None for a, b in zip(alone, beside, strict=True)]
+        gates.append(found(np.concatenate([inertial, levels], axis=-1)))
+    shown = [all(own) for own in zip(alone, *gates, strict=True)]
+    return [own if there else None for own, there in zip(found(over_position), shown, strict=True)]
 
 
 def _of_records(usable: np.ndarray, record: np.ndarray, velocity: np.ndarray) -> np.ndarray:
