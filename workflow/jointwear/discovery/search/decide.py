@@ -97,18 +97,19 @@ def decide(white: White, dictionary: Dictionary) -> Outcome:
 
 
 def _believe_no_bent_links(outcome: Outcome) -> None:
-    """Take the names back that nothing but a joint with structure left asks for: a factor of all torque of another.
+    """Take the names back that nothing but a joint with structure left asks for.
 
-    Only what other axes say of the links tells such a factor from them.
+    It bends the links that it shares with the others, and a factor of all torque or a spring there makes up for that.
     """
     half = 0.5 * outcome.problem.settings.accept
     gate = "nats where joints that stay unexplained say nothing of the links"
     bent = {u.axis for u in outcome.unexplained}
     refused = []
     for one in outcome.named:
-        others = outcome.terms_beside(one)
-        witnesses = bent - {one.candidate.axis} if of_drive(one.candidate) else set()
-        nats = nats_without_witnesses(outcome.white, others, one, witnesses) if witnesses else np.inf
+        axis = one.candidate.axis
+        if axis is None or one.candidate.effect == LINK_MASS or not bent - {axis}:
+            continue
+        nats = nats_without_witnesses(outcome.white, outcome.terms_beside(one), one, bent - {axis})
         if nats < half:
             refused.append(Refusal(one.candidate, one.evidence, gate, nats, half))
     _take_back(outcome, refused)
