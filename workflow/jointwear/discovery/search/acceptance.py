@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointwear.discovery import assumed
 from jointwear.discovery.estimates.harmless_band import where_noise_is_harmless
 from jointwear.discovery.estimates.misfit import divided, misfit_of, tempered
 from jointwear.discovery.estimates.outcome import Named, Refusal
@@ -21,7 +20,6 @@ from jointwear.discovery.problem.candidates import (
     Candidate,
     fitted_torque,
     on_all_axes,
-    prior_std,
     raw_torques,
 )
 from jointwear.discovery.problem.problem import Problem
@@ -29,6 +27,7 @@ from jointwear.discovery.problem.whitening import INERTIAL, Folds, White, clock_
 from jointwear.discovery.search.body_or_links import impossible_nats, lead_over_links, nats_of_its_mass
 from jointwear.discovery.search.crossval import CrossValidated, cross_validate
 from jointwear.discovery.search.recorded_in_time import nats_of_time
+from jointwear.discovery.search.steps_and_levels import levels_lead, nats_beside_levels, step_between_lead, step_lead
 from jointwear.discovery.settings import Settings
 from jointwear.effects import get_effect
 
@@ -168,10 +167,10 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
     if trial.candidate.axis is not None:
         if follows_time(trial.candidate):
             gates.append(("nats gained on the last record left out", found.last, -half))
-            gates.append(("nats by which one step in time does better", -_step_lead(white, beside, trial), -half))
-            lead = _step_between_lead(white, beside, trial)
+            gates.append(("nats by which one step in time does better", -step_lead(white, beside, trial), -half))
+            lead = step_between_lead(white, beside, trial)
             gates.append(("nats by which one step between two records does better", -lead, -half))
-            lead = _levels_lead(white, beside, trial)
+            lead = levels_lead(white, beside, trial)
             gates.append(("nats by which a level of its own in each record does better", -lead, -half))
         # Twice as large as what it has to explain: by the triangle inequality more is left with it than without.
         cancels = _cancels(white, trial)
@@ -185,6 +184,9 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             nats, share = where_noise_is_harmless(white, on_time, trial.candidate)
             gates.append(("nats in the band in which noise feigns no rate of torque", nats, half))
             gates.append(("share of what that band has of it at any size", share, settings.nearly_all))
+        if effect.as_seen:
+            nats = nats_beside_levels(white, before, trial)
+            gates.append(("nats beside a level of its own in each record", nats, half))
         if effect.of_drive:
             sigmas = _sigmas(white, before, beside, trial)
             gates.append(("standard deviations by which it is off", sigmas, settings.mass_sigmas))
@@ -296,67 +298,6 @@ def _nats_of_friction(beside: Fit, trial: Named, rubs: int) -> float:
     """Return the nats by which an effect does better than what is left of it without its `rubs` first coefficients."""
     (b, gram), std = beside.gram(trial.term.blocks), trial.term.std
     return float(gain(b, gram, std) - gain(b[rubs:], gram[rubs:, rubs:], std[rubs:]))
-
-
-def _step_lead(white: White, beside: Fit, trial: Named) -> float:
-    """Return the nats by which a step within one record does better than an effect that follows time."""
-    time, label = white.problem.train_state.time, np.asarray(white.problem.train_state.record)
-    steps = []
-    for one in np.unique(label):
-        inside = time[label == one]
-        steps.extend(np.arange(inside.min() + 1.0, inside.max() - 1.0, assumed.BLOCK))
-    return _best_step(white, beside, trial, time[:, None] > np.array(steps))
-
-
-def _step_between_lead(white: White, beside: Fit, trial: Named) -> float:
-    """Return the nats by which a step between two records does better than an effect that follows time.
-
-    A joint that was mounted anew, or other oil, is followed by a growth whose rate and exponent are free. Where the
-    records cannot tell one from the other it is called growth.
-    """
-    label = np.asarray(white.problem.train_state.record)
-    begins = np.flatnonzero(np.diff(label)) + 1
-    return _best_step(white, beside, trial, np.arange(len(label))[:, None] >= begins)
-
-
-def _best_step(white: White, beside: Fit, trial: Named, after: np.ndarray) -> float:
-    """Return the nats by which the best of some steps does better than an effect that follows time.
-
-    Parameters
-    ----------
-    after : (N_train, k) samples after each of the steps, one of which is chosen.
-    """
-    problem, candidate = white.problem, trial.candidate
-    effect = get_effect(candidate.effect)
-    if effect.shape is None or not after.shape[1]:
-        return -np.inf
-    carrier, _ = effect.shape(problem.train_state, candidate.axis, candidate.nonlinear)
-    columns = carrier[:, None] * after
-    std = prior_std(white, candidate, columns)
-    b, left = beside.gram_each({candidate.axis: white.columns(candidate.axis, columns)})
-    scaled = 1.0 + std**2 * np.maximum(left, 0.0)
-    gains = 0.5 * (std * b) ** 2 / scaled - 0.5 * np.log(scaled)
-    b, gram = beside.gram(trial.term.blocks)
-    return float(np.max(gains) - np.log(after.shape[1]) - gain(b, gram, trial.term.std))
-
-
-def _levels_lead(white: White, beside: Fit, trial: Named) -> float:
-    """Return the nats by which another level in every record does better than an effect that follows time.
-
-    A zero that is set anew differs from record to record: a wave of free phase and period threads a few such levels,
-    and says nothing of the record to come. Growth without a phase of its own cannot.
-    """
-    problem, candidate = white.problem, trial.candidate
-    effect, state = get_effect(candidate.effect), problem.train_state
-    label = np.asarray(state.record)
-    records = np.unique(label)
-    if effect.shape is None or len(trial.term.std) < 2 or len(records) < 3:
-        return -np.inf
-    carrier, _ = effect.shape(state, candidate.axis, candidate.nonlinear)
-    columns = carrier[:, None] * (label[:, None] == records)
-    b, gram = beside.gram({candidate.axis: white.columns(candidate.axis, columns)})
-    levels = gain(b, gram, prior_std(white, candidate, columns))
-    return float(levels - gain(*beside.gram(trial.term.blocks), trial.term.std))
 
 
 def _nats_with_swing(white: White, beside: Fit, trial: Named) -> float:
