@@ -67,6 +67,12 @@ def test_a_swing_beside_the_fastest_has_to_say_more_than_that(white):
     assert not rocking(outcome_of(white, swung))
 
 
+def test_what_hardly_swings_is_no_base(white):
+    """Rates of torque of a command had been told as a base that swings at 16 Hz, beside the right name."""
+    swung = loud(white, Rocking(white).torques(10.0, 0.25).sum(axis=-1))
+    assert not rocking(outcome_of(white, swung))
+
+
 def test_the_page_says_what_swings():
     content = {
         "verdict": "unknown",

@@ -31,8 +31,9 @@ from jointwear.robots.rocking_base import WAYS, RockingBase
 SWING = "swing of the base"
 #: Frequencies [Hz] at which a base is let swing: from slow columns to stiff pedestals, in steps of a twentieth.
 FREQUENCIES = tuple(float(f) for f in np.geomspace(1.5, 20.0, 53))
-#: Dampings of these swings, over that at which they end, and the one with which hardly anything swings.
-DAMPINGS, DULL = (0.03, 0.1), 0.7
+#: Dampings of these swings, over that at which they end, and those with which hardly anything swings: a base of steel
+#: or concrete has less, what rates of torque feign has no frequency.
+DAMPINGS, DULL = (0.03, 0.1), (0.3, 0.7)
 #: Every so many of the frequencies are looked at first, with the largest damping, whose peaks are as wide as that; and
 #: the share of what a swing needs, not to be one that noise feigns, that one of them has to say, or none is looked for:
 #: the rest costs four times that.
@@ -108,7 +109,7 @@ class Rocking:
         if not freedom:
             return None
         # Hardly any frequency is left in what is dull.
-        dull = [self._sums(fit, f, DULL) for f in FREQUENCIES[:: len(DAMPINGS) + 1]]
+        dull = [self._sums(fit, f, d) for d in DULL for f in FREQUENCIES[:: len(DAMPINGS) + 1]]
         rivals = [_said(b.sum(axis=0), gram.sum(axis=0))[0] for b, gram in dull]
         rivals += [every[k][0] for k, (f, _) in enumerate(swings) if f in (FREQUENCIES[0], FREQUENCIES[-1])]
         lead = nats - max(rivals)
