@@ -85,7 +85,7 @@ def angles_of(
     rows = np.concatenate([thinned[p] for p in enough])
     ends = np.cumsum([len(thinned[p]) for p in enough])
     q, v, a = (x[rows] for x in motion)
-    slopes, unit = dynamics.torque_slopes(q, v, a), loads.unit(rows)
+    (slopes, _), unit = dynamics.torque_slopes(q, v, a), loads.unit(rows)
     gravity, inertial, residual = model.gravity[rows], model.inertial[rows], torque[rows] - model.total[rows]
     counts = used[rows] & np.isfinite(residual)
     for i in range(n):
