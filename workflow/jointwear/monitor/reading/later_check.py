@@ -12,20 +12,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from itertools import chain
 
 import numpy as np
 
 from jointwear.files.wording import significant
-from jointwear.measurement.checks.axes_check import explained, explained_otherwise, favours
-from jointwear.measurement.checks.axis_readings import Likelihood, Reading, all_turned
+from jointwear.measurement.checks.axes_check import explained
+from jointwear.measurement.checks.axis_readings import Reading
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
 from jointwear.measurement.checks.position_unit import check_position_unit
 from jointwear.measurement.checks.torque_scale import (
     FACTOR,
-    FEWEST_SHARING,
     LIKELIER,
     OF_ONE,
     factors,
@@ -38,9 +36,11 @@ from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
-from jointwear.measurement.units import is_known, size_of, sizes_of
+from jointwear.measurement.units import size_of
+from jointwear.monitor.reading.decade_of_torque import Decade, decade_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
+from jointwear.monitor.reading.other_readings import MENDED, SAME_GROWTH, WORSE, OtherReadings, refusal_of
 from jointwear.monitor.reading.other_time import OtherTime, off_by
 from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
 from jointwear.monitor.reading.standing_torque import standing
@@ -48,11 +48,6 @@ from jointwear.robots.dynamics import Dynamics
 
 #: Share of the squared torque of an axis below which the model counts as right.
 RIGHT = 0.02
-#: Growth of the log of that share, summed over axes, that is no longer chance; and what may be left of it once a
-#: wrong reading is mended.
-WORSE, MENDED = 2.0, 1.0
-#: Growth of each axis up to which two pieces count as alike.
-SAME_GROWTH = 0.7
 #: Share of the squared torque of an axis that the model leaves where it no longer explains it, and growth of its log
 #: since the first log: friction may be any size in that share, and twice the torque leaves a tenth of it.
 HARDLY, FAR_WORSE = 0.3, 1.5
@@ -61,9 +56,6 @@ MOST_LOST = 0.5
 #: Share of the axes up to which a piece counts as one in which hardly anything moves, and of its samples in which an
 #: axis that hardly moves is in motion: fast programs in radians read as degrees are, now and then.
 SLOW, SELDOM = 0.5, 0.1
-#: Factor for each power of ten by which the largest torque of a joint may lie off that power of the one in the first
-#: log: a wrist that a new program turns faster had 4.7 times the others'.
-AROUND = 2.5
 #: What mends a torque of one log that is another than that of the first.
 OF_ONE_LOG = (
     "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all logs of "
@@ -96,14 +88,17 @@ class LaterCheck:
         self._last: np.ndarray | None = None
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
+        self._reading: Reading | None = None
+        self._decade: Decade | None = None
         self._held = self._everywhere = False
         self._delay = 0.0
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
-        """Begin another block: another scale or another time of the torque that was found, and one that is held, are
+        """Begin another block: another scale, reading or time of the torque that was found, and one that is held, are
         looked for in its parts alone."""
         self._refusal, self._held, self._everywhere, self._delay = None, False, False, 0.0
+        self._reading = None
 
     @property
     def everywhere(self) -> bool:
@@ -167,9 +162,13 @@ class LaterCheck:
             return replace(lighter, usable=lighter.usable & ~stands)
 
         self._last = self._growth(parts, usable)
-        plain = float(np.nansum(self._last))
+        plain, others = float(np.nansum(self._last)), OtherReadings(self._dynamics, self._grown, self._last)
         if self._delay:
             self._check_delay(measured, self._delay)
+        elif self._reading is not None:
+            # Each part of a log with one fault may be just below what is no chance.
+            if others.left(self._reading, parts, usable) < plain:
+                raise self._refusal
         elif self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
             raise self._refusal
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
@@ -179,16 +178,18 @@ class LaterCheck:
             return self._marks() | nothing
         # Read as degrees, radians of one joint alone may explain most of what all of them do to the torque.
         self._check_slow(chunk, stretch, motion)
-        reading = self._read_otherwise(parts, usable, plain)
-        if reading is not None and self._is_likelier(reading, parts, usable):
-            self._everywhere |= whole and reading.several
-            raise Refused(f"{self._name}: {reading.reason} against the first log", reading.remedy, reading.by_keys)
+        found = others.find(parts, usable)
+        if found:
+            self._everywhere |= whole and found[0].several
+            self._reading, self._refusal = found[0], refusal_of(self._name, found)
+            raise self._refusal
+        self._decade = decade_of(largest_torque(measured), self._largest, chunk.units.get("torque") or "N m")
         if whole:
             self._check_delay(measured)
         self._check_scale(measured, samples, plain, lightened)
         if whole:
             self._check_shared_scale(measured, parts, usable, plain)
-        self._check_decade(measured, parts, usable, plain, chunk.units.get("torque") or "N m")
+        self._check_decade(parts, usable, plain)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             self._lost &= self._lost_in(lighter)
@@ -288,6 +289,7 @@ class LaterCheck:
         # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
         if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
             return
+        self._prefer_decade(parts, usable, left)
         known, self._scale = np.flatnonzero(scale != 1.0), scale
         told = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
         mended = ", ".join(f"{significant(1 / scale[j])} for joint {j + 1}" for j in known)
@@ -316,38 +318,41 @@ class LaterCheck:
 
         return off
 
-    def _check_decade(
-        self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float, stated: str
-    ) -> None:
-        """Check that the torques of all joints are not ten times, or another power of it, what the robot ever had.
-
-        Its own torques tell that whatever the model lacks; no motion, load or wear does it to every joint alike.
+    def _check_decade(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+        """Check that the torques of all joints are not a power of ten of what the robot ever had.
 
         Raises
         ------
         Refused : with the factor, where the torque over it is explained far better too.
         """
-        largest = largest_torque(measured)
-        known = (largest > 0) & np.isfinite(self._largest)
-        if known.sum() < FEWEST_SHARING:
-            return
-        size = np.log10(largest[known] / self._largest[known])
-        decade = int(np.rint(np.median(size)))
-        if decade == 0 or np.any(np.abs(size - decade) > abs(decade) * np.log10(AROUND)):
-            return
-        scale = np.full_like(self._scale, 10.0**decade)
-        if plain - self._left_over(parts, usable, scale) <= WORSE:
-            return
-        self._scale = scale
-        size = size_of("torque", stated) if is_known("torque", stated) else np.nan
-        units = [u for u, x in sizes_of("torque").items() if np.isclose(size / x, 10.0**decade)]
-        looks = f"it looks like {units[0]}, read as {stated}" if units else "it looks like another unit"
-        self._refusal = Refused(
-            f"{self._name}: the torques of all joints are about {significant(10.0**decade)} times those of the first "
-            f"log; {looks}",
-            OF_ONE_LOG,
-        )
+        if self._decade is not None:
+            left = self._left_over(parts, usable, np.full_like(self._scale, self._decade.factor))
+            if plain - left > WORSE:
+                self._refuse_decade(self._decade)
+
+    def _refuse_decade(self, decade: Decade) -> None:
+        self._scale = np.full_like(self._scale, decade.factor)
+        self._refusal = Refused(f"{self._name}: {decade.reason}", OF_ONE_LOG)
         raise self._refusal
+
+    def _prefer_decade(self, parts: np.ndarray, usable: np.ndarray, left: float) -> None:
+        """Check that factors of joints, found beside the model, are not one unit: what a model lacks makes the factor
+        of each another, and the robot's own torques before tell it.
+
+        Parameters
+        ----------
+        left : growth that the factors leave.
+
+        Raises
+        ------
+        Refused : with the unit, where it explains the torque about as well. Factors that explain it better than that of
+            the first log was make up for what the model lacks.
+        """
+        decade = self._decade
+        if decade is None or not decade.close or not decade.unit:
+            return
+        if self._left_over(parts, usable, np.full_like(self._scale, decade.factor)) - max(left, 0.0) < WORSE:
+            self._refuse_decade(decade)
 
     def _check_shared_scale(self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
         """Check that the torques of all joints together are no other multiple of the model's.
@@ -372,6 +377,7 @@ class LaterCheck:
             measured, left, lambda thin: shared_scale(self._dynamics, thin.parts, thin.usable) is not None
         ):
             return
+        self._prefer_decade(parts, usable, left)
         self._scale = scale
         self._refusal = Refused(
             f"{self._name}: gravity and inertial torques of all joints are about {significant(factor, 2)} times those "
@@ -419,40 +425,12 @@ class LaterCheck:
         scaled[:, 3] /= scale
         return float(np.nansum(self._growth(scaled, usable)))
 
-    def _is_likelier(self, reading: Reading, parts: np.ndarray, usable: np.ndarray) -> bool:
-        """Return whether another reading is likelier than the plain one whatever the arm carries.
-
-        A few seconds with a load that the robot file does not have may look like another zero of a joint.
-        """
-        likelihood = Likelihood(self._dynamics, FEWEST_OF_JOINT)
-        turned = reading.read(parts, usable, self._dynamics.robot)
-        return likelihood(*turned) - likelihood(parts, usable) > favours(reading, self._dynamics.robot)
-
     def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
         return self._grown(explained(self._dynamics, parts, usable))
 
     def _grown(self, left: np.ndarray) -> np.ndarray:
         return np.log(np.maximum(left, RIGHT) / self._usual)
-
-    def _read_otherwise(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> Reading | None:
-        """Return the other reading of the axes that leaves least, None where none mends a growth of `plain`."""
-
-        def growth(left: np.ndarray) -> float:
-            grown = self._grown(left)
-            # An axis that another reading leaves without motion is not explained by it.
-            return float(np.nansum(np.where(np.isfinite(grown), grown, self._last)))
-
-        def mends(grown: float) -> bool:
-            return grown < MENDED and plain - grown > WORSE
-
-        # A reading that does not mend a part of the samples mends no more of all.
-        others = explained_otherwise(self._dynamics, parts, usable, lambda _, left: not mends(growth(left)))
-        robot = self._dynamics.robot
-        turned = ((r, explained(self._dynamics, *r.read(parts, usable, robot))) for r in all_turned(robot))
-        found = ((growth(left), reading) for reading, left in chain(others, turned))
-        grown, reading = min(found, key=lambda x: x[0], default=(np.inf, None))
-        return reading if mends(grown) else None
 
 
 def largest_torque(measured: Measured) -> np.ndarray:
