@@ -8,6 +8,7 @@ from monitor_logs import LENGTH, columns, flagged, make_log, read, write_parquet
 
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.read_findings import reading_findings
+from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.standing_torque import mostly, silent
 
 
@@ -63,3 +64,27 @@ def test_a_window_in_which_most_of_it_is_missing_is_none():
     found = np.array([[True], [True], [False], [True], [False], [False]])
     whole = mostly(found, np.ones((6, 1), bool), np.arange(6.0), 3.0)
     assert whole[:, 0].tolist() == [True, True, True, False, False, False]
+
+
+def test_half_a_shift_of_one_torque_is_told_with_its_log_and_is_no_rest(tmp_path, good):
+    """It was called at rest, and nothing else was said: it did not fill the shift."""
+    log = make_log(96.0, seed=7)
+    half = len(log.time) // 2
+    torque = np.r_[log.torque[:half], np.repeat(log.torque[half][None], len(log.time) - half, axis=0)]
+    path = write_parquet(tmp_path / "day.parquet", columns(replace(log, torque=torque)))
+    s = read(path, good).statistics
+    late = s.start >= s.start[0] + 48.0
+    assert (s.flags[late, :5] & int(Flag.TORQUE_FROZEN) != 0).all()
+    assert not (s.flags[:, :5] & int(Flag.AT_REST)).any()
+    assert not (s.flags[~late] & int(Flag.TORQUE_FROZEN)).any()
+    logs = LogsOfWindows(("day.parquet",), np.zeros(s.windows, int), np.zeros(s.windows, bool), s.flags)
+    one_shift, first = np.zeros(s.windows, int), np.arange(s.windows) < 2
+    (told,) = (f for f in reading_findings(s, first, one_shift, logs=logs) if f["kind"] == "frozen")
+    assert (told["time"], told["end"], told["axes"]) == (s.start[late][0], s.end[-1], [1, 2, 3, 4, 5])
+    assert "keeps one value in motion" in told["words"]
+    assert "day.parquet" in told["words"]
+    # An axis of coarse steps, which kept one value for hours before, is told of a whole shift alone.
+    coarse = s.flags.copy()
+    coarse[0, 3] |= int(Flag.TORQUE_FROZEN)
+    told = [f for f in reading_findings(replace(s, flags=coarse), first, one_shift, logs=logs) if f["kind"] == "frozen"]
+    assert [f["axes"] for f in told] == [[1, 2, 3, 5]]

@@ -11,6 +11,7 @@ from jointwear.effects import get_effect
 from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.normal.unsure import not_of_program
+from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.rounded import loud_by_rounding, rounded_since
 from jointwear.monitor.reading.scattered_stamps import marked_since, scattered_since
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -113,8 +114,9 @@ _READ = {
 SINCE, OFTEN = "contradicted_since", 0.1
 #: Kind of friction that is none, or drives.
 DRIVES = "drives"
-#: Kinds of an axis that has no samples that count: an odd hour of it is told in numbers alone, a shift in words.
-NONE = ("outside", "frozen", "missing")
+#: Kinds of an axis that has no samples that count: an odd hour of it is told in numbers alone, a shift in words. A
+#: torque that keeps one value in most of the motion of a window is no chance, and told of an hour too.
+NONE, FROZEN = ("outside", "frozen", "missing"), "frozen"
 
 
 def reading_findings(
@@ -122,6 +124,7 @@ def reading_findings(
     baseline: np.ndarray | None = None,
     shift: np.ndarray | None = None,
     program: np.ndarray | None = None,
+    logs: LogsOfWindows | None = None,
 ) -> list[dict[str, Any]]:
     """Return one finding for each run of windows in which the clock went back, samples were refused or are missing, or
     torques stay at a limit or are none that the model knows.
@@ -132,6 +135,7 @@ def reading_findings(
     shift : (w,) labels, rising, default one for each window; what is missing for less than a shift is not told.
     program : (w,) label, -1 unknown, default one program. A torque that the model did not explain in it in the baseline
         either is told once, as no fault.
+    logs : that the windows come from, default unknown. Those of a torque that stands still are named.
     """
     result: list[dict[str, Any]] = []
     moved = np.asarray(statistics.count) > 0
@@ -162,20 +166,26 @@ def reading_findings(
                 result += _since_baseline(statistics, marked & ~news)
                 marked = news
         seen = marked.any(axis=1)
+        before = np.zeros(statistics.axes, dtype=bool) if baseline is None else marked[baseline].any(axis=0)
         for part in (p for p in runs(seen) if seen[p.start]):
+            own = marked[part].any(axis=0)
             if kind in NONE and not _holds_a_shift(shift, part):
+                # Steps as coarse as the torque of an axis keep one value for an hour in the normal period already.
+                own &= (kind == FROZEN) & ~before
+            if not own.any():
                 continue
-            axes = (np.flatnonzero(marked[part].any(axis=0)) + 1).tolist()
+            axes = (np.flatnonzero(own) + 1).tolist()
             told = "all axes" if len(axes) == statistics.axes else name_axes(axes)
-            result.append(
-                {
-                    "time": float(statistics.start[part.start]),
-                    "end": float(statistics.end[part.stop - 1]),
-                    "axes": [] if len(axes) == statistics.axes else axes,
-                    "kind": kind,
-                    "words": words.format(axes=told),
-                }
-            )
+            found = {
+                "time": float(statistics.start[part.start]),
+                "end": float(statistics.end[part.stop - 1]),
+                "axes": [] if len(axes) == statistics.axes else axes,
+                "kind": kind,
+                "words": words.format(axes=told),
+            }
+            if kind == FROZEN and logs is not None and (few := logs.few(np.arange(part.start, part.stop))):
+                found |= {"logs": few, "words": f"{found['words']} Look at {listed(few)}."}
+            result.append(found)
     return result
 
 

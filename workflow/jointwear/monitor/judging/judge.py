@@ -226,7 +226,7 @@ def _findings(
         *program_findings(statistics, first, most),
         *product_findings(statistics, seen.conditions.regime, seen.products, most, logs),
         *override_findings(statistics, path_speed(seen.conditions.features), seen.regime, first, most),
-        *reading_findings(statistics, first, shift, program),
+        *reading_findings(statistics, first, shift, program, logs),
         *zero_finding(statistics, zero),
         *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),
         *driving_findings(statistics, seen.series["friction"].driving, shift),

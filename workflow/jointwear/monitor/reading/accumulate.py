@@ -123,7 +123,9 @@ def window_statistics(
         found = around.pulses(fits, left, settings)
         for a, b in itertools.pairwise(edges):
             _add_pulses(total, int(place[a]), found, slice(around.offset + a, around.offset + b))
-    total.flags[total.count == 0] |= int(Flag.AT_REST)
+    # An axis whose torque was not measured may move.
+    frozen = total.flags & int(Flag.TORQUE_FROZEN) != 0
+    total.flags[(total.count == 0) & ~frozen] |= int(Flag.AT_REST)
     return total
 
 
