@@ -64,6 +64,13 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
         raise InputError(f"{path}: {NO_SAMPLES}")
 
 
+def ends_within_a_row(path: str | Path, layout: Layout) -> bool:
+    """Return whether a log was cut off within its last row, as while it is written; only texts show it."""
+    from jointwear.measurement.formats.text import ends_within_a_row
+
+    return log_format(path) == "csv" and Path(path).is_file() and ends_within_a_row(Path(path), layout)
+
+
 def _existing(path: str | Path, chunks: Iterator[Chunk]) -> Iterator[Chunk]:
     """Yield chunks without rows of times that do not exist where the log was written.
 
@@ -95,4 +102,4 @@ def _begin(path: Path) -> bytes:
         return b""
 
 
-__all__ = ["Chunk", "Layout", "layout_of", "read_log"]
+__all__ = ["Chunk", "Layout", "ends_within_a_row", "layout_of", "read_log"]

@@ -205,6 +205,25 @@ class _TornRow:
         return None if end.endswith("\n") else end.rpartition("\n")[2]
 
 
+def ends_within_a_row(path: Path, layout: Layout) -> bool:
+    """Return whether no line end follows the last row of a log, and cells are missing in it; False where the log cannot
+    be read.
+
+    Parameters
+    ----------
+    layout : as of :func:`read`.
+    """
+    try:
+        head = _head(path, layout)
+        last = _last_bytes(path).decode("utf-8" if head.encoding == "utf8" else head.encoding, errors="replace")
+    except (InputError, OSError):
+        return False
+    # A file in which no line ends, or whose last row is longer than what is looked at, shows no row.
+    _, ended, row = last.rpartition("\n")
+    cells = next(csv.reader([row], delimiter=head.delimiter, strict=False), [])
+    return bool(ended and row.strip()) and len(cells) < len(head.names)
+
+
 def _last_bytes(path: Path) -> bytes:
     """Return the last :data:`_LAST` bytes of the text of a log; a packed one is read through for them."""
     with open_text(path) as file:

@@ -25,7 +25,7 @@ class Piece:
     """Statistics of one log: time of its first and last sample [s] (NaN if none), and what was refused, in words.
 
     `copy_of`: the log before it that holds the same samples, empty if none does; a copy has no windows. `gone`: the log
-    is no longer there, only its statistics are.
+    is no longer there, only its statistics are. `cut`: it ends within a row.
     """
 
     log: str
@@ -35,6 +35,7 @@ class Piece:
     refused: tuple[str, ...] = ()
     copy_of: str = ""
     gone: bool = False
+    cut: bool = False
 
 
 @dataclass(frozen=True)

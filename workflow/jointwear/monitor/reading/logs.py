@@ -15,7 +15,7 @@ from jointwear.measurement.derived.even_steps import step_of
 from jointwear.measurement.derived.jumps import without_jumps_of
 from jointwear.measurement.derived.torque_spikes import without_spikes_of
 from jointwear.measurement.flags import Flag
-from jointwear.measurement.formats import Layout, read_log
+from jointwear.measurement.formats import Layout, ends_within_a_row, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
 from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
 from jointwear.monitor.reading.carried import least_mass
@@ -41,12 +41,14 @@ TOGETHER = 32
 
 @dataclass(frozen=True)
 class LogStatistics:
-    """Statistics of one log, time of its first and last sample [s] (NaN if none), and in words what was refused."""
+    """Statistics of one log, time of its first and last sample [s] (NaN if none), in words what was refused, and
+    whether it is `cut` off within its last row."""
 
     statistics: WindowStatistics
     first: float = float("nan")
     last: float = float("nan")
     refused: tuple[str, ...] = ()
+    cut: bool = False
 
 
 def log_statistics(
@@ -97,7 +99,8 @@ def log_statistics(
     empty = blank_statistics(np.zeros(0), length, settings.torque_reference, survey.dated)
     if not parts:
         return LogStatistics(empty, refused=tuple(dict.fromkeys(refused)))
-    return LogStatistics(merge(parts), *span, tuple(dict.fromkeys(refused)))
+    cut = ends_within_a_row(path, layout)
+    return LogStatistics(merge(parts), *span, tuple(dict.fromkeys(refused)), cut)
 
 
 def _blocks(

@@ -43,6 +43,7 @@ def write_pieces(pieces: Sequence[Piece], path: str | Path, settings: Mapping[st
         "refused": json.dumps([list(p.refused) for p in pieces]),
         "first": np.array([p.first for p in pieces]),
         "last": np.array([p.last for p in pieces]),
+        "cut": np.array([p.cut for p in pieces], dtype=np.int32),
         "rows": np.array([p.statistics.windows for p in pieces], dtype=np.int32),
     }
     statistics = concatenated([p.statistics for p in pieces])
@@ -62,10 +63,15 @@ def read_pieces(path: str | Path) -> list[Piece]:
             parse_json(str(read_attribute(dataset, path, name)), path, list) for name in ("logs", "refused")
         )
         first, last, rows = (np.atleast_1d(read_attribute(dataset, path, name)) for name in ("first", "last", "rows"))
+        # Files of a log that is gone may be older than what they say of its end.
+        cut = np.atleast_1d(read_attribute(dataset, path, "cut") if "cut" in dataset.ncattrs() else 0 * rows)
     edges = np.concatenate([[0], np.cumsum(rows)])
-    if not len(logs) == len(refused) == len(first) == len(last) == len(rows) or edges[-1] != statistics.windows:
+    kept = {len(x) for x in (logs, refused, first, last, cut, rows)}
+    if len(kept) > 1 or edges[-1] != statistics.windows:
         raise InputError(f"{path}: its logs and windows do not belong together; delete it and run again")
     return [
-        Piece(log, statistics.part(slice(a, b)), float(begin), float(end), tuple(told))
-        for log, (a, b), begin, end, told in zip(logs, pairwise(edges.tolist()), first, last, refused, strict=True)
+        Piece(log, statistics.part(slice(a, b)), float(begin), float(end), tuple(told), cut=bool(torn))
+        for log, (a, b), begin, end, told, torn in zip(
+            logs, pairwise(edges.tolist()), first, last, refused, cut, strict=True
+        )
     ]
