@@ -1,7 +1,12 @@
 """Programs that the motion shows, in the baseline and after it."""
 
-import numpy as np
+from types import SimpleNamespace
 
+import numpy as np
+from monitor_windows import residuals, statistics_of
+
+from jointwear.monitor.findings import findings
+from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.regimes import find_regimes, parts_of_known
 
 
@@ -85,3 +90,26 @@ def test_a_rare_part_of_a_known_cycle_is_no_new_program():
     regime = find_regimes(signature, baseline)
     assert len(set(regime[20:])) == 2
     assert parts_of_known(signature, regime, baseline) == []
+
+
+def test_a_program_that_is_over_is_told_with_its_end_and_its_log(monkeypatch):
+    """The log of another robot of the same type, twelve days ago, was a program "in its 14 h so far"."""
+    s = statistics_of(residuals(30, np.zeros((30, 3)), 3))
+    shown, shift, first = np.repeat([0, 7, 0], [12, 6, 12]), np.arange(30) // 6, np.arange(30) < 12
+    monkeypatch.setattr(findings, "signatures", lambda _: None)
+    monkeypatch.setattr(findings, "parts_of_known", lambda *_: [])
+    level = SimpleNamespace(residual=np.full((30, 3), np.nan))
+    logs = LogsOfWindows(("a.csv", "b.csv", "c.csv"), np.repeat([0, 1, 2], [12, 6, 12]), first, s.flags)
+
+    def told(windows):
+        part = slice(0, windows)
+        own = LogsOfWindows(logs.names, logs.number[part], first[part], s.flags[part])
+        seen = SimpleNamespace(residual=level.residual[part])
+        return findings._programs(s.part(part), shift[part], shown[part], first[part], seen, own)
+
+    (over,) = told(30)
+    assert "in its 6 h most axes could not be judged" in over["words"]
+    last = findings.moment_words(s, s.end[17])
+    assert f"It ran until {last}, in b.csv alone: a trial, or the log of another robot" in over["words"]
+    (runs,) = told(18)
+    assert runs["words"].endswith("in its 6 h so far most axes could not be judged.")

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from jointwear.files.wording import name_axes
+from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.events import Event
 from jointwear.monitor.findings.loud import loud_findings
 from jointwear.monitor.findings.thermometers import broken, other_unit
 from jointwear.monitor.local_time import duration
 from jointwear.monitor.reading.after_baseline import after_baseline
+from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.regimes import parts_of_known, signatures
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.another_robot import FEWEST_RISEN, MOST_AXES, Exchange
@@ -56,6 +57,7 @@ def findings_of(
     program: np.ndarray | None = None,
     doubtful: np.ndarray | None = None,
     events: Sequence[Event] = (),
+    logs: LogsOfWindows | None = None,
 ) -> list[dict[str, Any]]:
     """Return the findings, each with `time` [s], `axes` (1-based), `kind` and `words` for the page.
 
@@ -64,13 +66,13 @@ def findings_of(
     steps : changed scales. exchanges : of robots or drives. changed : (w, n) bool, axes with an open alarm of friction.
     shown : (w,) programs that the motion shows, None where the log names them or there is one.
     program : (w,) of either, None for one. doubtful : as of :func:`.loud_findings`.
-    events : of the config.
+    events : of the config. logs : that the windows come from, default unknown.
     """
     explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained, events)
     found += [_exchanged(statistics, level, one) for one in exchanges]
     found += _at_once(statistics, shift, level, explained)
-    found += _programs(statistics, shown, baseline, level)
+    found += _programs(statistics, shift, shown, baseline, level, logs)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
     found += other_unit(statistics, baseline) + broken(statistics, baseline)
     told = [[s.window for s in starts if not s.proposed] for starts in level.starts]
@@ -227,16 +229,29 @@ _LEARNT = (
 )
 
 
-def _judged_words(ran: float, judged_after: float | None) -> str:
+def _judged_words(ran: float, judged_after: float | None, over: bool) -> str:
     if judged_after is None:
-        return f"in its {ran:.3g} h so far most axes could not be judged"
+        return f"in its {ran:.3g} h{'' if over else ' so far'} most axes could not be judged"
     return f"most axes could be judged in it after {judged_after:.3g} h of it"
 
 
+def _over_words(last: str, few: Sequence[str]) -> str:
+    """Return in words that a program runs no more since `last`, and in which `few` logs it ran where that is known."""
+    if not few:
+        return f" It ran until {last}."
+    return f" It ran until {last}, in {listed(few)} alone: a trial, or the log of another robot under this name."
+
+
 def _programs(
-    statistics: WindowStatistics, shown: np.ndarray | None, baseline: np.ndarray, level: Watch
+    statistics: WindowStatistics,
+    shift: np.ndarray,
+    shown: np.ndarray | None,
+    baseline: np.ndarray,
+    level: Watch,
+    logs: LogsOfWindows | None = None,
 ) -> list[dict[str, Any]]:
-    """One finding for each program that the motion shows and the baseline did not have, and until when it is learnt."""
+    """One finding for each program that the motion shows and the baseline did not have, until when it is learnt, and
+    when and where it ran if the newest shift has none of it."""
     if shown is None:
         return []
     result = []
@@ -247,7 +262,11 @@ def _programs(
         judged = np.isfinite(level.residual[rows]).mean(axis=1) > 0.5
         hours = statistics.length / 3600
         found = {"ran": len(rows) * hours, "judged_after": float(np.argmax(judged)) * hours if judged.any() else None}
-        words = f"A program began that the baseline did not have. {_LEARNT} {_judged_words(**found)}."
+        over = bool(shift[rows[-1]] != shift[-1])
+        words = f"A program began that the baseline did not have. {_LEARNT} {_judged_words(**found, over=over)}."
+        if over:
+            last = moment_words(statistics, float(statistics.end[rows[-1]]))
+            words += _over_words(last, [] if logs is None else logs.few(rows))
         result.append({"time": float(statistics.start[rows[0]]), "axes": [], "kind": PROGRAM, "words": words, **found})
     return result
 

@@ -216,7 +216,7 @@ def _findings(
     zero = changed_zero(statistics, program, shift, first, seen.events, doubtful)
     return [
         *findings_of(
-            statistics, shift, first, level, *changes, teller.status == CHANGED, shown, program, doubtful, events
+            statistics, shift, first, level, *changes, teller.status == CHANGED, shown, program, doubtful, events, logs
         ),
         *greasing_findings(statistics, shift, first, level, viscous, _of_viscous(seen)),
         *coarse_findings(statistics, first, teller.least, limit),
