@@ -153,3 +153,26 @@ def test_axes_of_one_gain_are_named_in_order():
     (one,) = _scales(blank, np.arange(40) // 4, steps, np.zeros((40, 3), dtype=bool))
     assert one["axes"] == [1, 2, 3]
     assert "torque of axes 1, 2 and 3 changed by 1.2" in one["words"]
+
+
+def test_a_gain_begins_with_the_bodies_though_cold_hides_it_in_the_friction():
+    """Friction that cold had raised fitted the factor of the bodies some days later alone: the gain was told then, and
+    what was left of it before once more, so that no axis was judged for a week."""
+    both = dict.fromkeys(range(6), float(np.log(1.05)))
+    friction, bodies = series(both, 1), series(both, 2)
+    friction.value[BEGIN:64] += 0.04
+    found = told(friction, bodies)
+    assert [(s.axis, s.window) for s in found] == [(j, BEGIN) for j in range(6)]
+    # An axis whose friction scatters shows it late, and behind an odd shift: it makes no second gain.
+    friction.value[:32, 4] += np.repeat([0.012, -0.012, 0.012, -0.012], 8)
+    friction.value[BEGIN:, 4] += np.where(np.arange(BEGIN, 80) < 64, -0.05, 0.01)
+    bodies.value[56:64, 4] = 0.0
+    found = told(friction, bodies)
+    assert [(s.axis, s.window) for s in found] == [(j, BEGIN) for j in range(6)]
+    # One that steps by as much later is one of its own.
+    bodies.value[BEGIN:64, 4] = 0.0
+    assert {s.window for s in told(friction, bodies) if s.axis == 4} == {64}
+    # Friction without a gain leaves bodies that stepped before alone.
+    friction.value[BEGIN:64] = 0.0
+    bodies.value[BEGIN:64, 4] = bodies.value[64:, 4].mean()
+    assert not [s for s in told(friction, bodies) if s.window < 56]

@@ -79,6 +79,7 @@ def gains_of_axes(
         if shown:
             first[j], k = min(shown)
             size, usual = (x[first[j], j] for x in pairs[k][1:])
+            first[j] = _since(first[j], float(size), levels[:, j] - usual, late)
             values = np.stack([rubs[:, j], moves[:, j]], axis=1) - usual
             spread = np.stack(
                 [s[first[j], j] ** 2 + v[:, j] for s, v in zip((rub_error, move_error), noise, strict=True)], axis=1
@@ -86,6 +87,24 @@ def gains_of_axes(
             begin = cut_beside(values, spread, float(size), shift, names[max(first[j] - 1, 0) : first[j] + 1], baseline)
             found.append(ScaleStep(j, begin, float(np.exp(size))))
     return _together(found, first, levels, errors, last)
+
+
+def _since(a: int, size: float, levels: np.ndarray, late: np.ndarray) -> int:
+    """Return the first of the shifts up to `a`, without a break, whose bodies have a gain of `size` already.
+
+    Bodies show the same factor from the first day on. Friction that cold has raised meanwhile differs from it by more
+    than one factor allows, and has only to be nearer to the gain than to none.
+
+    Parameters
+    ----------
+    levels : (s, 2) of friction and bodies, beyond what they are held against. late : (s,) bool, after the baseline.
+    """
+    while a > 0 and late[a - 1]:
+        rubbed, moved = levels[a - 1]
+        if not (abs(moved - size) < SAME_FACTOR * abs(size) and rubbed / size > 0.5):
+            break
+        a -= 1
+    return a
 
 
 def _together(
@@ -112,6 +131,12 @@ def _together(
         tolerated = np.maximum(SAME_FACTOR * abs(size), AGAINST * errors[a : a + 2])
         alike, against = (off < tolerated)[..., 0].all(axis=0), (off > tolerated)[..., 1].any(axis=0)
         window = int(np.median([s.window for s in near]))
+        # An odd shift of one axis hides the begin of its step, though its bodies step beside those of the others.
+        near += [
+            s
+            for s in found
+            if first[s.axis] > a + 1 and abs(np.log(s.factor) - size) < SAME_FACTOR * abs(size) and not against[s.axis]
+        ]
         own = {s.axis for s in near}
         rest = [j for j in range(n) if j not in own and alike[j] and not against[j] and last[j] > a + 1]
         others = [s for s in found if s.axis not in own | set(rest)]
