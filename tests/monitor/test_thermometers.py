@@ -88,6 +88,36 @@ def test_a_robot_that_never_rests_may_keep_its_temperature(whole):
     assert not stuck(found, baseline).any()
 
 
+def around_the_clock(still, weather=3.0, others=True, step=0.1):
+    """Ten days of 24 windows of two axes that follow the hour and the day; the first axis is still in the last `still`
+    windows, both unless `others`. `weather` [K] of the hour, `step` [K] of the thermometer."""
+    hours = np.arange(240)
+    found = blank_statistics(hours * 3600.0, 3600.0, np.ones(2), True)
+    value = 30.0 + weather * np.sin(2 * np.pi * hours / 24) + np.sin(hours / 50)
+    found.temperature[:] = step * np.round(np.stack([value, 2 + 1.1 * value], axis=1) / step)
+    if still:
+        found.temperature[-still:, : 1 if others else 2] = found.temperature[-still, : 1 if others else 2]
+    return found, hours < 120
+
+
+@pytest.mark.parametrize(("others", "whole"), [(True, 24), (False, 48)])
+def test_a_thermometer_that_stops_on_a_robot_without_pauses_is_told_after_a_day_or_two(others, whole):
+    found, baseline = around_the_clock(96, others=others)
+    known = stuck(found, baseline)
+    # Values at the edge may repeat before it stops.
+    assert np.flatnonzero(known[:, 0])[0] in range(144 + whole - 3, 144 + whole)
+    assert known[144 + whole :, 0].all()
+    assert bool(known[:, 1].any()) is not others
+    (told,) = broken(found, baseline)
+    assert "has stopped at" in told["words"]
+    assert told["axes"] == ([1] if others else [1, 2])
+
+
+@pytest.mark.parametrize("given", [{"still": 0}, {"still": 20}, {"still": 90, "step": 1.0, "weather": 0.7}])
+def test_a_still_night_and_a_coarse_thermometer_without_pauses_are_no_stop(given):
+    assert not stuck(*around_the_clock(**given)).any()
+
+
 def test_a_coarse_thermometer_keeps_its_value_for_long():
     found, baseline = days([30.0] * 24)
     found.temperature[:80, 0] = np.repeat([28.0, 30.0, 28.0, 30.0], 20)

@@ -9,7 +9,7 @@ import numpy as np
 from jointwear.files.wording import count, name_axes
 from jointwear.measurement.units import UNITS
 from jointwear.monitor.normal.conditions import SAME
-from jointwear.monitor.normal.shifts import PAUSE_HOURS
+from jointwear.monitor.normal.shifts import PAUSE_HOURS, running_sums
 from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 
@@ -20,10 +20,15 @@ NEAR = 15.0
 #: Windows in another unit that are told: one is a reading gone wrong.
 FEWEST_WINDOWS = 2
 #: Windows in a row in which a thermometer shows one value, and pauses among them from which it came back as it was,
-#: until it counts as stuck: a joint that works around the clock may keep its temperature within a degree for a week.
+#: until it counts as stuck: a joint that works around the clock may keep its temperature within a degree for a week, so
+#: that there more is asked.
 STUCK, PAUSES = 8, 2
 #: Multiple of the longest such run of the baseline: a coarse thermometer stays where it is for hours.
 LONGER = 3
+#: Without pauses: hours [h] of operation in a row at one value, and the multiple of the longest such run of the
+#: baseline. A day brings all that hall and work do to a joint, if another thermometer of the robot has changed at this
+#: share of its usual rate or more; where none has, a second day tells as a second pause does.
+WHOLE_DAY, MANY_TIMES, AS_USUAL = 24.0, 10, 0.5
 
 
 def other_unit(statistics: WindowStatistics, baseline: np.ndarray) -> list[dict[str, Any]]:
@@ -67,6 +72,7 @@ def stuck(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
     baseline : (w,) bool.
     """
     result = np.zeros(statistics.temperature.shape, dtype=bool)
+    hours = (statistics.end - statistics.start) / 3600.0
     for j in range(statistics.axes):
         rows = np.flatnonzero(np.isfinite(statistics.temperature[:, j]))
         if not len(rows):
@@ -76,8 +82,24 @@ def stuck(statistics: WindowStatistics, baseline: np.ndarray) -> np.ndarray:
         usual = long[baseline[rows]].max(initial=0)
         if usual < baseline[rows].sum():
             known = (long >= max(STUCK, LONGER * usual)) & (pauses - pauses[first] >= PAUSES)
+            still, whole = running_sums(hours[rows], long == 1), _others_changed(statistics, baseline, rows, first, j)
+            known |= (long >= MANY_TIMES * usual) & (still >= np.where(whole, 1, PAUSES) * WHOLE_DAY)
             result[rows[known], j] = True
     return result & after_baseline(baseline)[:, None]
+
+
+def _others_changed(
+    statistics: WindowStatistics, baseline: np.ndarray, rows: np.ndarray, first: np.ndarray, axis: int
+) -> np.ndarray:
+    """Return for each of the windows `rows` of `axis` whether, since the one at the place `first`, the thermometer of
+    another axis has changed as it does in the baseline."""
+    given = np.delete(statistics.temperature, axis, axis=1)[rows]
+    with np.errstate(invalid="ignore"):
+        new = np.abs(np.diff(given, axis=0, prepend=given[:1])) > SAME
+    usual = new[baseline[rows]].mean(axis=0)
+    changes, places = np.cumsum(new, axis=0), np.arange(len(rows))
+    rate = (changes - changes[first]) / np.maximum(places - first, 1)[:, None]
+    return ((usual > 0) & (rate >= AS_USUAL * usual)).any(axis=1)
 
 
 def _pauses(statistics: WindowStatistics, rows: np.ndarray) -> np.ndarray:
