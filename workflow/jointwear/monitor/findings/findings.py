@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -38,7 +38,15 @@ FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
 SHARED = "shared"
 
 
-def moment_words(statistics: WindowStatistics, seconds: float) -> str:
+class Dated(Protocol):
+    """Windows, or the state of a robot: whether its logs have dates."""
+
+    @property
+    def dated(self) -> bool:
+        """Whether times are those since 1970."""
+
+
+def moment_words(statistics: Dated, seconds: float) -> str:
     """Return a time as ISO 8601 UTC, which pages tell in their zone, or in hours of the log's clock."""
     if statistics.dated:
         return datetime.fromtimestamp(seconds, tz=UTC).strftime("%Y-%m-%dT%H:%MZ")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import tzinfo
 from typing import Any
 
-from jointwear.monitor.local_time import duration, log_time
+from jointwear.monitor.local_time import duration, log_time, with_local_times
 from jointwear.monitor.presentation.words import anew_words, change_words, event_words, outlook_words, until_words
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, in_sentence
 from jointwear.monitor.watching.records import DETECTORS
@@ -72,7 +72,7 @@ def _alarms(row: Mapping[str, Any], zone: tzinfo) -> list[Notice]:
             # How much it has grown begins with what has grown.
             named = quantity.lower() in change.lower()
             told = ["" if named else quantity, change, anew_words(row, axis, zone), outlook_words(row, axis, zone)]
-            told += [since, axis["check"]]
+            told += [since, with_local_times(axis["check"], zone)]
         key = f"{row['folder']}|{episode['key']}"
         found.append(Notice(key, row["robot"], subject, "; ".join(t for t in told if t), episode["open"]))
     return found

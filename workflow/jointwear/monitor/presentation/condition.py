@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.events import Event, events_of
-from jointwear.monitor.findings.findings import SHARED
+from jointwear.monitor.findings.findings import SHARED, moment_words
 from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.judging.state import RobotState
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.episodes import Episode, episodes_of
 from jointwear.monitor.presentation.overnight import greased_since, rose_alike, rose_overnight
+from jointwear.monitor.presentation.with_part import part_before, part_words
 from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate
@@ -83,7 +84,8 @@ class AxisCondition:
     friction is of by what is known today, empty where that is not known. `together`: by now all axes have moved
     together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept, or
     Coulomb friction fell with it. `scaled`: both kinds rose by the same share at once; `repaired`: Coulomb friction
-    fell at once after its alarm while viscous friction rose.
+    fell at once after its alarm while viscous friction rose. `part`: what to ask first where its newest episode soon
+    followed a part, see :mod:`.with_part`, else empty.
     """
 
     axis: int
@@ -109,6 +111,7 @@ class AxisCondition:
     overnight: bool = False
     scaled: bool = False
     repaired: bool = False
+    part: str = ""
 
     @property
     def closed(self) -> bool:
@@ -155,7 +158,7 @@ class AxisCondition:
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
         told = CONTRADICTED if self.contradicted else advice(self.quantity, self.main.newest["change"], self.greased)
-        first = REPAIRED if self.repaired else SCALED if self.scaled else UNSURE if self.unsure else ""
+        first = REPAIRED if self.repaired else SCALED if self.scaled else self.part or (UNSURE if self.unsure else "")
         told = first + told
         if self.probability is not None and self.probability < EVEN_ODDS:
             return f"compare the other axes before opening anything, as it may well be another; then {told}"
@@ -297,6 +300,7 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         overnight=_as_told(_viscous_overnight, VISCOUS, state, j, open_ones) and not growth > MORE_THAN_CHANCE * std,
         scaled=_as_told(rose_alike, COULOMB, state, j, open_ones),
         repaired=_as_told(greased_since, COULOMB, state, j, open_ones),
+        part=_part(state, j, open_ones, events),
     )
     # One step has no rate of growth, and what was done to the axis is another than what was followed until then.
     dateless = found_now.contradicted or found_now.scaled or found_now.repaired
@@ -318,6 +322,13 @@ def _as_told(
     kinds = [state.estimates[name][0][after, j] for name in ("coulomb_percent", "viscous_percent")]
     # Its first alarm may have been told under the other name.
     return any(told(state.end[after], *kinds, e.first) for e in episodes if e.quantity in (COULOMB, VISCOUS))
+
+
+def _part(state: RobotState, j: int, episodes: Sequence[Episode], events: Sequence[Event]) -> str:
+    """What to ask of a 0-based axis whose newest episode soon followed a part; else empty."""
+    newest = max(episodes, key=lambda e: e.last, default=None)
+    found = part_before(state.findings, j + 1, newest.first, events) if newest else None
+    return part_words(found, moment_words(state, found["time"])) if found else ""
 
 
 def _viscous_overnight(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:

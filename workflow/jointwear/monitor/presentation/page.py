@@ -75,7 +75,7 @@ def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") ->
         "last": when(state, episode.last, zone),
         "count": len(episode.alarms),
         "resolved": resolved,
-        "advice": check or advice(episode.quantity, episode.newest["change"]),
+        "advice": with_local_times(check, zone) or advice(episode.quantity, episode.newest["change"]),
         "sure": sure_words(episode.newest["probability_axis"]),
         "alarms": alarm_rows(state, episode, zone),
         "sized": any(a["change"] is not None for a in episode.alarms),
@@ -127,11 +127,12 @@ def log_rows(state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
 
 
 def _check_of(episode: Episode, conditions: list[AxisCondition]) -> str:
-    """Return what is to check of the axis of an episode, where no part of it is; empty elsewhere."""
+    """Return what is to check of the axis of an episode, where no part of it is or the episode is the one to act on, so
+    that a page gives one advice; empty elsewhere."""
     if episode.axis is None:
         return ""
     condition = conditions[episode.axis - 1]
-    return condition.check if condition.level == UNRESOLVED else ""
+    return condition.check if condition.level == UNRESOLVED or episode is condition.main else ""
 
 
 def _newest(episodes: list[Episode]) -> list[Episode]:

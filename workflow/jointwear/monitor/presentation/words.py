@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from datetime import tzinfo
 from typing import Any
 
-from jointwear.monitor.local_time import duration, local_day, log_time
+from jointwear.monitor.local_time import duration, local_day, log_time, with_local_times
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.condition import (
     CHANGED,
@@ -54,7 +54,7 @@ def todo(row: Mapping[str, Any], axis: Mapping[str, Any], zone: tzinfo) -> dict[
         "since": "" if axis["since"] is None else log_time(axis["since"], zone, dated),
         "alarms": axis["alarms"],
         "anew": anew_words(row, axis, zone),
-        "check": axis["check"][:1].upper() + axis["check"][1:],
+        "check": with_local_times(axis["check"][:1].upper() + axis["check"][1:], zone),
     }
 
 

@@ -1,0 +1,45 @@
+"""Alarms that follow a change of the load: what to ask before anybody opens a gear."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from jointwear.files.wording import name_axes
+from jointwear.monitor.events import NEW_PROGRAM, Event
+from jointwear.monitor.findings.findings import PROGRAM
+
+#: Time [s] for which an alarm may be of a part that was put on before it: an alarm rests on two shifts at most, of a
+#: day each. An event of a new program as near to the part is of it: the axis was learnt anew from there.
+SOON = 2 * 86400.0
+
+
+def part_before(
+    findings: Sequence[Mapping[str, Any]], axis: int, first: float, events: Sequence[Event] = ()
+) -> Mapping[str, Any] | None:
+    """Return the newest finding on a part after which a 1-based axis, whose torque it changed, soon alarmed `first`
+    [s]; None where there is none, or where the config tells of the program that came with it.
+
+    Parameters
+    ----------
+    findings : of the robot. events : of the config.
+    """
+    told = [e.time for e in events if e.kind == NEW_PROGRAM and e.concerns(axis - 1)]
+    found = [
+        f
+        for f in findings
+        if f["kind"] == PROGRAM
+        and axis in f.get("moved", ())
+        and 0 <= first - f["time"] <= SOON
+        and not any(abs(time - f["time"]) <= SOON for time in told)
+    ]
+    return max(found, key=lambda f: float(f["time"]), default=None)
+
+
+def part_words(found: Mapping[str, Any], moment: str) -> str:
+    """Return what to ask first where an alarm followed a part, the begin of a sentence; `moment`: its time in words."""
+    return (
+        f"was a part or tool put on at about {moment}? The torque of {name_axes(found['moved'])} changed at once then, "
+        "and friction rises with the load, too. If one was, enter it as 'program' of that time under "
+        "'events', or label the programs in the logs; if not, "
+    )
