@@ -97,7 +97,8 @@ def test_coulomb_friction_that_has_clearly_grown_without_an_alarm_is_not_told_as
         assert "No change: axes 2, 3, 4, 5 and 6." in sentences
         assert summaries[0]["remark"].replace("\u00a0", " ").startswith("Coulomb friction +9.3 % now, with a standard")
         # It asks for nothing.
-        assert standing(seen)["axes"][0]["over"] == ""
+        told = standing(seen)["axes"][0]
+        assert (told["over"], told["rising"]) == ("", summaries[0]["remark"])
 
 
 def test_viscous_growth_beyond_its_limit_has_reached_it(monitored):

@@ -12,7 +12,7 @@ from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.findings.odd_motion import STOPPED
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.told_together import told_together
-from jointwear.monitor.fleet.page import robot_item, write_fleet_page
+from jointwear.monitor.fleet.page import fleet_heading, robot_item, write_fleet_page
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
@@ -57,6 +57,28 @@ def test_an_axis_on_which_the_limit_would_not_show_is_not_plain_healthy():
     row = as_of(robot("big", axis(1), axis(2), axis(3, UNJUDGED), findings=told), NOW)
     item = robot_item(row, zone_of(None), "robots")
     assert (item["unjudged"], item["coarse"]) == ("axis 3", "axis 2")
+
+
+def test_friction_that_is_higher_and_logs_that_were_refused_stand_beside_a_healthy_robot(tmp_path):
+    told = "Coulomb friction +15.0 % now, with a standard error of 4.8 %, of the limit of 20 %: keep an eye on it."
+    old = "a.csv: positions look like degrees; state units"
+    rows = [
+        as_of(robot("up", axis(1), axis(3, growth=15.0, rising=told)), NOW),
+        as_of(robot("calm", axis(1), refused_logs=1, refusals=[old]), NOW),
+    ]
+    assert [row["urgency"] for row in rows] == ["healthy", "healthy"]
+    assert [table_row(row)["axes_higher"] for row in rows] == ["3", ""]
+    assert fleet_heading(rows) == "No alarm on 2 robots, friction higher on 1"
+    assert fleet_heading(rows[1:]) == "Nothing to check"
+    write_fleet_page(rows, tmp_path / "index.html", zone_of(None), NOW)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "nothing to check" not in page
+    up, calm = page.split(">up</th>")[1].split("</tr>")[0], page.split(">calm</th>")[1].split("</tr>")[0]
+    assert "higher, no alarm" in up
+    assert "Axis 3: Coulomb friction +15.0 % now" in up
+    assert "refused: a.csv: positions look like degrees" in calm
+    write_fleet_page(rows[1:], tmp_path / "index.html", zone_of(None), NOW)
+    assert "Healthy: nothing to check" in (tmp_path / "index.html").read_text(encoding="utf-8")
 
 
 def test_logs_with_one_fault_take_one_line():

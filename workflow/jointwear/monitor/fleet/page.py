@@ -82,6 +82,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
+        "higher": [f"Axis {axis['axis']}: {axis['rising']}" for axis in row["axes"] if axis.get("rising")],
         "coarse": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == HEALTHY and a["axis"] in coarse)),
         "counts": row,
     }
@@ -183,6 +184,13 @@ def fleet_heading(rows: Sequence[Mapping[str, Any]]) -> str:
     waiting = [row for row in rows if row["urgency"] != HEALTHY]
     if not rows:
         return "No robot"
+    higher = sum(any(axis.get("rising") for axis in row["axes"]) for row in rows)
+    if not waiting and higher:
+        return (
+            f"No alarm on {len(rows)} robots, friction higher on {higher}"
+            if len(rows) > 1
+            else "No alarm; friction higher"
+        )
     if not waiting:
         return f"Nothing to check on {len(rows)} robots" if len(rows) > 1 else "Nothing to check"
     return f"{len(waiting)} of {len(rows)} robots to look at" if len(rows) > 1 else "The robot needs attention"

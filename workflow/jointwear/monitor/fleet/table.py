@@ -20,9 +20,9 @@ from jointwear.monitor.presentation.words import change_words, growth_now, until
 COLUMNS = (
     "robot", "result", "alarms", "axes_changed", "reason", "urgency", "axis_to_check", "what_to_check",
     "growth_percent", "viscous_growth_percent", "limit_percent", "hours_to_limit", "hours_to_limit_low",
-    "hours_to_limit_high", "alarms_unresolved", "axes_unresolved", "axes_unjudged", "logs", "refused_logs",
-    "copied_logs", "stale_logs", "unjudged_logs", "kept_logs", "windows", "refused_windows", "stale_windows",
-    "unjudged_windows", "last_sample",
+    "hours_to_limit_high", "alarms_unresolved", "axes_unresolved", "axes_unjudged", "axes_higher", "logs",
+    "refused_logs", "copied_logs", "stale_logs", "unjudged_logs", "kept_logs", "windows", "refused_windows",
+    "stale_windows", "unjudged_windows", "last_sample",
 )  # fmt: skip
 
 
@@ -51,6 +51,7 @@ def table_row(row: Mapping[str, Any]) -> dict[str, Any]:
         "alarms_unresolved": len(row["episodes"]),
         "axes_unresolved": axes(lambda axis: axis["alarms"] > 0),
         "axes_unjudged": axes(lambda axis: axis["level"] == UNJUDGED),
+        "axes_higher": axes(lambda axis: bool(axis.get("rising"))),
         "last_sample": "" if row["last_sample"] is None else stamp(row["last_sample"], row["dated"]),
     }
     return {name: "" if cells[name] is None else cells[name] for name in COLUMNS}

@@ -23,7 +23,7 @@ from jointwear.monitor.presentation.condition import (
     urgency,
 )
 from jointwear.monitor.presentation.episodes import Episode
-from jointwear.monitor.presentation.words import over_words
+from jointwear.monitor.presentation.words import over_words, rising_words
 from jointwear.monitor.watching.limits import VISCOUS
 
 #: What a robot without a judgement has.
@@ -224,6 +224,7 @@ def axis_row(condition: AxisCondition, newest: float) -> dict[str, Any]:
         "alarms": sum(len(e.alarms) for e in condition.episodes),
         "check": condition.check,
         "over": over_words(condition),
+        "rising": rising_words(condition),
         "anew": _event_row(condition.anew),
         "event": _event_row(condition.event),
         "until": as_json(condition.until) if condition.event else None,
