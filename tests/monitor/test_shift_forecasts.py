@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from jointwear.monitor.events import Event
 from jointwear.monitor.findings.still_growth import STANDSTILL, standstill_findings
 from jointwear.monitor.presentation.to_answer import asks_for_answer
 from jointwear.monitor.watching.limits import LimitDate
@@ -101,3 +102,18 @@ def test_the_page_is_told_of_a_standstill():
     assert (found["kind"], found["axes"], found["time"]) == (STANDSTILL, [2], 1.7956e9)
     assert found["words"].startswith("Growth of the Coulomb friction of axis 2 has stood still since about 2026-11-25T")
     assert not asks_for_answer(found)
+    assert "first alarm" not in found["words"]
+
+
+@pytest.mark.parametrize(("first", "repair", "late"), [(8.0, None, True), (-2.0, None, False), (-2.0, -1.0, True)])
+def test_growth_that_stood_still_before_its_first_alarm_is_told_so(first, repair, late):
+    """A page told growth as still since nine days before the alarm of it, without a word on why."""
+    statistics, since, day = SimpleNamespace(dated=True), 1.7956e9, 86400.0
+    limit = LimitDate("coulomb friction", np.inf, np.inf, np.inf, still=since)
+    alarms = [{"time": since + first * day, "axis": 2, "detector": "model"}]
+    if repair is not None:
+        alarms.append({**alarms[0], "time": since + 8 * day})
+    alarms += [{**alarms[0], "time": since - 9 * day, "detector": "paper"}, {**alarms[0], "axis": 1}]
+    events = [] if repair is None else [Event(since + repair * day, (), "service")]
+    (found,) = standstill_findings(statistics, [None, limit], alarms, events)
+    assert ("before its first alarm at 2026-12-03T" in found["words"]) is late

@@ -168,7 +168,7 @@ def judge(
             *_findings(statistics, seen, friction, viscous, teller, limit, settings.events, logs),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
             *grown_before_findings(statistics, level),
-            *standstill_findings(statistics, limits),
+            *standstill_findings(statistics, limits, alarms, settings.events),
         ],
     )
 
