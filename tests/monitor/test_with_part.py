@@ -6,10 +6,10 @@ import pytest
 
 from jointwear.monitor.events import Event
 from jointwear.monitor.local_time import zone_of
-from jointwear.monitor.presentation import condition as module
 from jointwear.monitor.presentation.condition import CHANGED, AxisCondition
 from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.standing import axis_row
+from jointwear.monitor.presentation.with_part import asked_of_part
 from jointwear.monitor.presentation.words import todo
 from jointwear.monitor.watching.records import DETECTORS
 
@@ -22,7 +22,7 @@ def asked(axis, first, findings=(PART,), events=()):
     """What is asked first of a 1-based axis that alarmed at `first` [s]."""
     episode = Episode(axis, "coulomb friction", DETECTORS[0], ({"time": first, "change": 0.2, "unit": "N m"},), None)
     state = SimpleNamespace(findings=list(findings), dated=True)
-    return module._part(state, axis - 1, (episode,), events), episode
+    return asked_of_part(state, axis - 1, (episode,), events), episode
 
 
 def test_an_alarm_after_a_part_names_the_part_first():

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from fleet_rows import axis
 
@@ -77,6 +78,22 @@ def test_a_forecast_of_the_limit_of_viscous_friction_has_its_growth_beside_it():
     where = {"dated": False, "last_sample": 0.0}
     assert outlook_words(where, row, zone_of(None)) == "limit of viscous friction (+20 %) may be reached by now"
     assert axis_row(replace(told, limited=None), 0.0)["viscous_growth"] is None
+
+
+@pytest.mark.parametrize(
+    ("growth", "low", "mild"), [(1.2, 90.0, True), (1.2, 20.0, False), (4.0, 90.0, False), (np.nan, 90.0, False)]
+)
+def test_small_growth_far_from_its_limit_waits_for_the_next_service(growth, low, mild):
+    """A page sent people to the gear for +1.2 % of a limit of 20 % that came months later, if ever."""
+    alarm = {"time": 100.0, "change": 0.2, "unit": "N m", "probability_axis": 1.0}
+    episode = Episode(3, "coulomb friction", DETECTORS[0], (alarm,), None)
+    limit = LimitDate("coulomb friction", np.inf, low * 86400.0, np.inf)
+    told = AxisCondition(3, "elbow", CHANGED, growth, 0.5, 20.0, limit, (episode,), (), now=200.0)
+    check = "check the gear and bearings"
+    assert told.check.startswith("it is small and its limit far off: keep watching it" if mild else check)
+    assert check in told.check
+    greased = replace(told, growth=-9.0, grown="viscous friction", viscous=1.0)
+    assert greased.check.startswith("was it greased?")
 
 
 def test_the_size_of_backlash_is_told_as_the_least_it_is():

@@ -2,6 +2,33 @@
 
 from __future__ import annotations
 
+#: What to check where no friction explains what is told.
+CONTRADICTED = (
+    "friction alone does not explain it, as Coulomb friction is below normal and viscous friction far above: check the "
+    "gear for play at reversals with the flange clamped, belt and coupling, then the load that it carries"
+)
+#: What to check first where all friction of an axis rose by one share at once.
+SCALED = (
+    "Coulomb and viscous friction rose at once by about the same share and have kept, as with another scale of the "
+    "torque or an axis that is colder, and no wear: check the sensor, unit and torque constant of the drive and "
+    "compare temperatures first, and enter it as 'sensor' if it was one; if neither, "
+)
+#: What to check first where Coulomb friction fell at once while viscous friction rose.
+REPAIRED = (
+    "was it serviced or greased? Coulomb friction fell at once after its alarm while viscous friction rose, as with "
+    "new grease; enter that as a service; if not, "
+)
+#: What to check first where the error of the growth is as large as the limit.
+UNSURE = (
+    "its growth is hardly known yet: its standard error is as large as the limit, as under a load or in a program that "
+    "the normal period hardly had; ask what changed there first, then "
+)
+
+
+def at_next_service(told: str) -> str:
+    """Return the advice `told` for growth that is small and far from its limit."""
+    return f"it is small and its limit far off: keep watching it, and at the next service {told}"
+
 
 def advice(quantity: str, change: float | None, greased: str = "") -> str:
     """Return what to check when a quantity of an axis changed; `change` None counts as growth; `greased`: what viscous

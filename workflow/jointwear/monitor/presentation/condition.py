@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from jointwear.monitor.events import Event, events_of
-from jointwear.monitor.findings.findings import SHARED, moment_words
+from jointwear.monitor.findings.findings import SHARED
 from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.judging.judge_settings import DEFAULT_LIMIT
 from jointwear.monitor.judging.state import RobotState
-from jointwear.monitor.presentation.advice import advice
+from jointwear.monitor.presentation.advice import CONTRADICTED, REPAIRED, SCALED, UNSURE, advice, at_next_service
 from jointwear.monitor.presentation.episodes import Episode, episodes_of
 from jointwear.monitor.presentation.overnight import greased_since, rose_alike, rose_overnight
-from jointwear.monitor.presentation.with_part import part_before, part_words
+from jointwear.monitor.presentation.with_part import asked_of_part
 from jointwear.monitor.reading.zeros import ZERO
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, LimitDate
@@ -28,27 +28,6 @@ from jointwear.monitor.watching.records import CHANGED, HEALTHY, UNJUDGED, VISCO
 UNRESOLVED = "unresolved alarm"
 #: What is said of a changed axis whose growth has reached its limit.
 REACHED = "limit reached"
-#: What to check where no friction explains what is told.
-CONTRADICTED = (
-    "friction alone does not explain it, as Coulomb friction is below normal and viscous friction far above: check the "
-    "gear for play at reversals with the flange clamped, belt and coupling, then the load that it carries"
-)
-#: What to check first where all friction of an axis rose by one share at once.
-SCALED = (
-    "Coulomb and viscous friction rose at once by about the same share and have kept, as with another scale of the "
-    "torque or an axis that is colder, and no wear: check the sensor, unit and torque constant of the drive and "
-    "compare temperatures first, and enter it as 'sensor' if it was one; if neither, "
-)
-#: What to check first where Coulomb friction fell at once while viscous friction rose.
-REPAIRED = (
-    "was it serviced or greased? Coulomb friction fell at once after its alarm while viscous friction rose, as with "
-    "new grease; enter that as a service; if not, "
-)
-#: What to check first where the error of the growth is as large as the limit.
-UNSURE = (
-    "its growth is hardly known yet: its standard error is as large as the limit, as under a load or in a program that "
-    "the normal period hardly had; ask what changed there first, then "
-)
 #: Quantity of an alarm other than Coulomb friction -> the estimate that shows it.
 SHOWN_BY = {VISCOUS: "viscous", BACKLASH: "backlash"}
 #: Probability of an axis below which it is no likelier than all others together.
@@ -57,6 +36,9 @@ EVEN_ODDS = 0.5
 MORE_THAN_CHANCE = 2.0
 #: Share of the limit, and standard deviations, from which on growth of Coulomb friction is told without an alarm.
 RISING, SURELY = 0.4, 3.0
+#: Share of the limit below which growth is small, and time [s], a month, in which a limit is near: a service that can
+#: wait has its turn by then.
+SMALL, SOON = 0.1, 30 * 86400.0
 #: Share of the limit by which Coulomb friction is clearly below normal, as no wear makes it.
 BELOW = 0.25
 #: Growth of viscous friction [%] above which no value is told: there was too little of it before to measure it by.
@@ -85,7 +67,7 @@ class AxisCondition:
     together, as in the cold. `overnight`: viscous friction alone rose from one day to the next and has kept, or
     Coulomb friction fell with it. `scaled`: both kinds rose by the same share at once; `repaired`: Coulomb friction
     fell at once after its alarm while viscous friction rose. `part`: what to ask first where its newest episode soon
-    followed a part, see :mod:`.with_part`, else empty.
+    followed a part, see :mod:`.with_part`, else empty. `now`: end of the newest window [s].
     """
 
     axis: int
@@ -112,6 +94,7 @@ class AxisCondition:
     scaled: bool = False
     repaired: bool = False
     part: str = ""
+    now: float = math.nan
 
     @property
     def closed(self) -> bool:
@@ -158,6 +141,8 @@ class AxisCondition:
             state = f"{what} is back to normal" if self.seen else f"{what} can no longer be judged"
             return f"{state}, and nobody has said why: enter what was done under 'events', or look for it on the robot"
         told = CONTRADICTED if self.contradicted else advice(self.quantity, self.main.newest["change"], self.greased)
+        if self.small and not self.greased:
+            told = at_next_service(told)
         first = REPAIRED if self.repaired else SCALED if self.scaled else self.part or (UNSURE if self.unsure else "")
         told = first + told
         if self.probability is not None and self.probability < EVEN_ODDS:
@@ -221,6 +206,13 @@ class AxisCondition:
         """Whether the standard error of the growth that alarmed is as large as the limit."""
         kinds = {VISCOUS: self.viscous_std, COULOMB: self.growth_std}
         return kinds.get(self.quantity, 0.0) >= self.limit
+
+    @property
+    def small(self) -> bool:
+        """Whether all growth that is told is small and far from its limit: no reason to open a gear by itself."""
+        told = [self.growth, *([self.viscous] if self.viscous_told else [])]
+        far = self.limited is not None and self.limited.low - self.now > SOON
+        return far and self.quantity in (COULOMB, VISCOUS) and all(g < SMALL * self.limit for g in told)
 
     @property
     def over(self) -> str:
@@ -300,7 +292,8 @@ def _condition(state: RobotState, j: int, found: list[Episode], events: Sequence
         overnight=_as_told(_viscous_overnight, VISCOUS, state, j, open_ones) and not growth > MORE_THAN_CHANCE * std,
         scaled=_as_told(rose_alike, COULOMB, state, j, open_ones),
         repaired=_as_told(greased_since, COULOMB, state, j, open_ones),
-        part=_part(state, j, open_ones, events),
+        part=asked_of_part(state, j, open_ones, events),
+        now=float(state.end[-1]),
     )
     # One step has no rate of growth, and what was done to the axis is another than what was followed until then.
     dateless = found_now.contradicted or found_now.scaled or found_now.repaired
@@ -322,13 +315,6 @@ def _as_told(
     kinds = [state.estimates[name][0][after, j] for name in ("coulomb_percent", "viscous_percent")]
     # Its first alarm may have been told under the other name.
     return any(told(state.end[after], *kinds, e.first) for e in episodes if e.quantity in (COULOMB, VISCOUS))
-
-
-def _part(state: RobotState, j: int, episodes: Sequence[Episode], events: Sequence[Event]) -> str:
-    """What to ask of a 0-based axis whose newest episode soon followed a part; else empty."""
-    newest = max(episodes, key=lambda e: e.last, default=None)
-    found = part_before(state.findings, j + 1, newest.first, events) if newest else None
-    return part_words(found, moment_words(state, found["time"])) if found else ""
 
 
 def _viscous_overnight(end: np.ndarray, coulomb: np.ndarray, viscous: np.ndarray, alarm: float) -> bool:

@@ -7,7 +7,9 @@ from typing import Any
 
 from jointwear.files.wording import name_axes
 from jointwear.monitor.events import NEW_PROGRAM, Event
-from jointwear.monitor.findings.findings import PROGRAM
+from jointwear.monitor.findings.findings import PROGRAM, moment_words
+from jointwear.monitor.judging.state import RobotState
+from jointwear.monitor.presentation.episodes import Episode
 
 #: Time [s] for which an alarm may be of a part that was put on before it: an alarm rests on two shifts at most, of a
 #: day each. An event of a new program as near to the part is of it: the axis was learnt anew from there.
@@ -34,6 +36,13 @@ def part_before(
         and not any(abs(time - f["time"]) <= SOON for time in told)
     ]
     return max(found, key=lambda f: float(f["time"]), default=None)
+
+
+def asked_of_part(state: RobotState, j: int, episodes: Sequence[Episode], events: Sequence[Event]) -> str:
+    """Return what to ask first of a 0-based axis whose newest episode soon followed a part; else empty."""
+    newest = max(episodes, key=lambda e: e.last, default=None)
+    found = part_before(state.findings, j + 1, newest.first, events) if newest else None
+    return part_words(found, moment_words(state, found["time"])) if found else ""
 
 
 def part_words(found: Mapping[str, Any], moment: str) -> str:
