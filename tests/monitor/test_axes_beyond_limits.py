@@ -12,6 +12,7 @@ from jointwear.monitor.judging.state import read_state
 from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.condition import axis_conditions
+from jointwear.monitor.presentation.page import write_page
 from jointwear.monitor.presentation.standing import NOTHING, standing
 from jointwear.monitor.presentation.summaries import axis_summary, headline
 from jointwear.monitor.presentation.words import todo
@@ -230,3 +231,18 @@ def test_an_axis_is_asked_for_grease_where_viscous_friction_alone_rose_overnight
     state.estimates["viscous_percent"][0][48:, 0] = 18.0
     (first,) = [c for c in axis_conditions(state) if c.axis == 1]
     assert first.overnight == first.check.startswith("was it greased?") == asked
+
+
+def test_a_column_of_pulses_is_not_called_play(monitored, tmp_path):
+    """A gap six times as large stood as "change of play +2.3 %", as noise hides most of its pulses."""
+    folder, _, _ = monitored
+    state = read_state(folder / "state.nc")
+    size = state.status.shape
+    for value, told in ((2.3, True), (np.nan, False)):
+        pulses = {"backlash": (np.full(size, value), np.full(size, 3.2), "%")}
+        seen = replace(state, estimates=state.estimates | pulses)
+        write_page(seen, tmp_path / "monitor.html", tmp_path / "figures")
+        text = (tmp_path / "monitor.html").read_text(encoding="utf-8")
+        assert ("change of pulses at reversals" in text) is told
+        assert ("play whose pulses are small beside that" in text) is told
+        assert "change of play" not in text

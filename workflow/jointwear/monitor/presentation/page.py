@@ -27,10 +27,19 @@ from jointwear.monitor.presentation.condition import (
 from jointwear.monitor.presentation.drawing import draw_temperature, draw_timeline
 from jointwear.monitor.presentation.episodes import Episode
 from jointwear.monitor.presentation.standing import last_judged, rows_left_out, standing
-from jointwear.monitor.presentation.summaries import axis_summary, headline, told_flags, when, why_unjudged
+from jointwear.monitor.presentation.summaries import (
+    PULSES,
+    axis_summary,
+    headline,
+    shown_estimates,
+    told_flags,
+    when,
+    why_unjudged,
+)
 from jointwear.monitor.presentation.temperature import temperature_share
 from jointwear.monitor.presentation.to_answer import asks_for_answer
 from jointwear.monitor.presentation.words import row_words, sure_percent, sure_words, todo
+from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.present import NOW, now_windows
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.numbers import span as span_of
@@ -42,7 +51,7 @@ SHOWN = 5
 TIMELINES = {
     "coulomb": "Change of the Coulomb friction since the normal period",
     "viscous": "Change of the viscous friction since the normal period",
-    "backlash": "Change of play since the normal period",
+    "backlash": "Change of the pulses at reversals since the normal period",
     "friction": "Friction at the usual speed",
 }
 #: Alarms of an episode that the page lists; alarms.csv has all.
@@ -236,6 +245,7 @@ def write_page(
         "span_of": span_of,
         "reasons": [why_unjudged(state, j) for j in range(state.axes)],
         "now": now_words(state, zone),
+        "pulses": PULSES if BACKLASH in shown_estimates(state) else "",
         "span": (when(state, state.start[0], zone), when(state, state.end[-1], zone)),
         "baseline_end": when(state, state.end[state.baseline][-1], zone) if state.baseline.any() else "",
         # Where people read times in a zone of theirs, logs are likely to be written in it.

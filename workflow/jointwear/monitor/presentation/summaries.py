@@ -44,9 +44,14 @@ from jointwear.monitor.watching.records import Reason
 COLUMNS = {
     "coulomb_percent": ("change of Coulomb friction", "coulomb"),
     "viscous_percent": ("change of viscous friction", "viscous"),
-    "backlash": ("change of play", ""),
+    "backlash": ("change of pulses at reversals", ""),
     "friction": ("friction at usual speed", ""),
 }
+#: What the table says of its column of pulses, which is none of play itself.
+PULSES = (
+    "Pulses at reversals are those of play together with what else the torque does there, above all noise: play whose "
+    "pulses are small beside that hardly changes them, and cannot be judged."
+)
 #: Why an estimate of an axis that is judged is not known, in words.
 UNKNOWN = {
     "coulomb_percent": "viscous friction grew, and what it adds to this value is not known",
