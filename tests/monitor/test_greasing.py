@@ -21,8 +21,15 @@ def watched(common):
     return SimpleNamespace(residual=np.zeros_like(value), shared=SimpleNamespace(common=common, value=value))
 
 
-def told(level, viscous):
-    statistics = SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)))
+def windows(temperature=np.nan):
+    """Windows in which all axes have the temperatures (shifts,)."""
+    temperature = np.broadcast_to(temperature, 12)
+    given = np.repeat(temperature.astype(float), 4)[:, None] * np.ones(5)
+    return SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)), temperature=given)
+
+
+def told(level, viscous, temperature=np.nan):
+    statistics = windows(temperature)
     return greasing_findings(statistics, SHIFT, BASELINE, watched(level), watched(viscous), np.ones(5))
 
 
@@ -60,11 +67,31 @@ def test_new_grease_takes_friction_at_low_speed_down_at_once_and_the_cold_never_
     assert told(SHOWN * WEATHER - since(7, 0.06), WEATHER) == []
     # Of two shifts nobody can say how friction goes with the weather.
     few = np.isin(SHIFT, (2, 3))
-    statistics = SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)))
+    statistics = windows()
     both = watched(SHOWN * soft - since(7, 0.06)), watched(soft)
     for watch in both:
         watch.residual[~few & BASELINE] = np.nan
     assert greasing_findings(statistics, SHIFT, BASELINE, *both, np.ones(5)) == []
+
+
+@pytest.mark.parametrize(
+    ("now", "words"),
+    [
+        (24.0, "show 4 K less than in the normal period, and what is normal allows for that: was the arm greased"),
+        (28.0, "show no other temperature than in the normal period"),
+        (np.nan, "is the arm colder than in the normal period, or was the arm greased?"),
+    ],
+)
+def test_what_may_be_the_cold_is_asked_by_the_thermometers_that_are_logged(now, words):
+    """A page asked to compare temperatures, of which it had those of all axes."""
+    temperature = np.where(np.arange(12) >= 7, now, 28.0 + np.array([-1.0, 1.0] * 6))
+    cold = WEATHER + since(7, 0.25)
+    (found,) = told(SHOWN * cold, cold, temperature)
+    assert found["unsure"]
+    assert words in found["words"]
+    assert ("ompare temperatures" in found["words"]) == np.isnan(now)
+    (same,) = told(SHOWN * cold, cold, np.where(np.arange(12) >= 7, 24.0, 28.0))
+    assert "ompare temperatures" in same["words"]
 
 
 @pytest.mark.parametrize(
@@ -85,7 +112,7 @@ def test_cold_oil_and_what_is_over_are_no_grease(level, viscous):
 def test_nothing_is_told_of_a_robot_that_is_not_judged_yet():
     level, viscous = watched(np.zeros(12)), watched(since(7, 0.3))
     level.residual[:] = np.nan
-    statistics = SimpleNamespace(start=3600.0 * np.arange(len(SHIFT)))
+    statistics = windows()
     assert greasing_findings(statistics, SHIFT, BASELINE, level, viscous, np.ones(5)) == []
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import name_axes
+from jointwear.monitor.normal.conditions import SAME
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.watching import Watch
@@ -71,24 +72,54 @@ def greasing_findings(
     if len(axes) <= MOST_AXES * told.sum():
         return []
     size = float(np.median(own[[a - 1 for a in axes]]))
-    words = _words(axes, fixed(100 * size, 0, True), unsure)
+    warmer = _warmer(statistics.temperature[:, [a - 1 for a in axes]], baseline, rows)
+    words = _words(axes, fixed(100 * size, 0, True), unsure, warmer)
     doubt = {"unsure": True} if unsure else {}
     time = float(statistics.start[np.flatnonzero(rows)[0]])
     return [{"time": time, "axes": axes, "kind": GREASED, "words": words, **doubt}]
 
 
-def _words(axes: list[int], size: str, unsure: bool) -> str:
+def _warmer(temperature: np.ndarray, baseline: np.ndarray, rows: np.ndarray) -> float:
+    """Return by how much axes are warmer in windows `rows` (w,) than in the `baseline` (w,) [K], NaN where the
+    temperature of any of them (w, k) is not known in either, or never changed there.
+
+    What it says of friction is taken out of what is told.
+    """
+    known = np.isfinite(temperature)
+    there = [(known & part[:, None]).any(axis=0).all() for part in (baseline, rows)]
+    if not all(there):
+        return np.nan
+    usual, now = (np.where(known & part[:, None], temperature, np.nan) for part in (baseline, rows))
+    if not np.all(np.nanmax(usual, axis=0) - np.nanmin(usual, axis=0) > SAME):
+        return np.nan
+    return float(np.mean(np.nanmean(now, axis=0) - np.nanmean(usual, axis=0)))
+
+
+def _words(axes: list[int], size: str, unsure: bool, warmer: float) -> str:
     risen = f"Viscous friction of {name_axes(axes)} has risen together, by about {size} %, and has kept, while friction"
     if not unsure:
         return (
             f"{risen} at low speed fell with it: was the arm greased? Thicker grease does that, wear and cold do not. "
             "Enter it under 'events' as a service of these axes, or look for another oil or another controller."
         )
+    if np.isfinite(warmer):
+        return (
+            f"{risen} as a whole hardly did. Their thermometers show {_by_degrees(warmer)} than in the normal period, "
+            "and what is normal allows for that: was the arm greased, or is the oil colder than where the thermometers "
+            "sit? Either does that, wear does not. Only if it was greased, enter that under 'events' as a service of "
+            "these axes, for what is normal is then learnt anew."
+        )
     return (
         f"{risen} as a whole hardly did: is the arm colder than in the normal period, or was the arm greased? Either "
         "does that, wear does not. Compare temperatures; only if it was greased, enter that under 'events' as a "
         "service of these axes, for what is normal is then learnt anew."
     )
+
+
+def _by_degrees(warmer: float) -> str:
+    """Return a difference of temperatures [K] in words, before `than`."""
+    size = fixed(abs(warmer), 0)
+    return "no other temperature" if size == "0" else f"{size} K {'more' if warmer > 0 else 'less'}"
 
 
 def _means(watched: Watch, shift: np.ndarray, rows: np.ndarray) -> np.ndarray:
