@@ -96,6 +96,19 @@ def test_logs_with_one_fault_take_one_line():
     assert line[0] == "2.csv: another multiple (-1e+03 on joint 1, 2 on joint 12); likewise 1.csv"
 
 
+def test_what_mends_one_log_names_it():
+    """ "Write the torque of this log as the first log has it" stood alone above three logs."""
+    mend = "write the torque of this log as the first log has it: 'units' hold for all logs"
+    told = [f"logs/{k}.csv: the torque is {k} times that of the first log; {mend}" for k in (2, 3)]
+    row = as_of(robot("arm", refused_newest=2, refused_logs=2, refusals=told), NOW)
+    (line,) = robot_item(row, zone_of(None), "robots")["mends"]
+    assert line.startswith("Write the torque of logs/2.csv and logs/3.csv as the first log has it")
+    (line,) = robot_item({**row, "refused_logs": 5}, zone_of(None), "robots")["mends"]
+    assert "logs/3.csv and others as the first" in line
+    nameless = as_of(robot("arm", refused_newest=1, refused_logs=1, refusals=[f"is odd; {mend}"]), NOW)
+    assert "Write the torque of this log as" in robot_item(nameless, zone_of(None), "robots")["mends"][0]
+
+
 def test_what_mends_refused_logs_comes_first(tmp_path):
     told = [
         "logs/1.csv: the torque is another multiple; it looks like a current; write the torque as the first log has it",

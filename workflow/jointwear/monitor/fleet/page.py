@@ -107,15 +107,25 @@ def _mends(row: Mapping[str, Any]) -> list[str]:
     """Return what mends the logs that are refused, as far as the reasons say it, each once; logs that no key may mend,
     as it would be wrong for the others, come after the rest."""
     clauses: list[str] = []
+    whose: dict[str, list[str]] = {}
     alone: dict[str, list[str]] = {}
     for told in (row["reason"], *row["refusals"]):
         if told != row["reason"] and told.endswith(ALL_LOGS):
             log, _, what = told.partition(": ")
             alone.setdefault(_looks(what), []).append(log)
         else:
-            clauses += [c.strip() for c in told.split("; ")[1:]]
-    found = [c.rstrip(".") for c in clauses if c.partition(" ")[0] in MENDS]
+            what, *mends = (c.strip() for c in told.split("; "))
+            clauses += mends
+            log, named, _ = what.partition(": ")
+            for clause in mends:
+                whose.setdefault(clause, []).append(log if named else "this log")
     more = " and others" if row["refused_logs"] > len(row["refusals"]) else ""
+    found = [
+        # Away from its reason it has to say which log is meant.
+        c.rstrip(".").replace("this log", f"{listed(list(dict.fromkeys(whose[c])))}{more}")
+        for c in clauses
+        if c.partition(" ")[0] in MENDS
+    ]
     of = f"{more} alone, of {count(row['logs'], 'log')}"
     told = "Write it as in the others; a key of the robot would hold for these too"
     return [f"{c[:1].upper()}{c[1:]}" for c in dict.fromkeys(found)] + [
