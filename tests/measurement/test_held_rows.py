@@ -69,7 +69,7 @@ def test_a_part_of_the_columns_of_a_slower_source_is_refused_by_name(what):
         samples.torque[:] = samples.torque[held]
     else:
         samples.position[:, 1] = samples.position[held, 1]
-    with pytest.raises(Refused, match=f"rows repeat the {what}; .* for about 0.08 s"):
+    with pytest.raises(Refused, match=f"rows repeat the {what}, .* for about 0.08 s"):
         check(samples)
     # A position from a slower source beside a velocity of its own derives nothing.
     samples.velocity = np.zeros_like(samples.position)

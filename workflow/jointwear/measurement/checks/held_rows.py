@@ -93,8 +93,8 @@ def _check(
     if repeated > 0.5:
         held = float(np.median(np.diff(samples.time))) * float(np.median(rows[fast]))
         raise Refused(
-            f"{name}: before {100 * repeated:.0f} % of the rows of fast motion in which something changes, {words}; "
-            f"the logger holds or interpolates values, for about {held:.2g} s",
+            f"{name}: while joints move fast, {words}, before {100 * repeated:.0f} % of the rows with new values; the "
+            f"logger holds or interpolates them, for about {held:.2g} s",
             "write each value once, at the time at which it was measured, and not on a faster grid",
         )
 
