@@ -40,7 +40,7 @@ def test_behind_a_gear_nothing_of_the_motor_is_fitted_that_the_file_lacks(bare):
 
 @pytest.mark.parametrize("lead", [-50.0, 50.0])
 def test_a_gate_of_what_follows_time_asks_whether_levels_do_better(white, monkeypatch, lead):
-    monkeypatch.setattr(acceptance, "_levels_lead", lambda *_: lead)
+    monkeypatch.setattr(acceptance, "levels_lead", lambda *_: lead)
     state = white.problem.train_state
     wave = next(p for p in get_effect("torque_offset_drift").grid(state, AXIS) if "period" in p)
     candidate = Candidate("torque_offset_drift", AXIS, None, wave)
