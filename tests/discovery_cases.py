@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery import Recording
+from jointwear.discovery.estimates.outcome import Named
+from jointwear.discovery.problem.candidates import Candidate, term_of
+from jointwear.discovery.problem.whitening import White
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
 
@@ -92,3 +95,15 @@ def that_lacks(white, told):
         odd.discrepancy[np.flatnonzero(white.problem.train)[whitener.rows], axis] = whitener.marginal * y
         targets[axis] = y
     return replace(white, problem=odd, targets=targets)
+
+
+def lacking_on(white: White, axis: int, torque: np.ndarray) -> White:
+    """Return a whitened problem whose `axis` lacks a torque (N_train,) [N m] too."""
+    targets = [y + white.columns(a, torque) * (a == axis) for a, y in enumerate(white.targets)]
+    return replace(white, targets=targets)
+
+
+def trial_of(white: White, effect: str, axis: int, nonlinear: dict[str, float]) -> Named:
+    """Return an effect of one axis as the gates are asked of it."""
+    candidate = Candidate(effect, axis, None, nonlinear)
+    return Named(candidate, term_of(white, candidate), None, 99.0)

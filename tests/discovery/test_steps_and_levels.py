@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from discovery_cases import lacking_on, trial_of
 
-from jointwear.discovery.estimates.outcome import Named
-from jointwear.discovery.linear import Term, gain
-from jointwear.discovery.problem.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.linear import gain
 from jointwear.discovery.search.steps_and_levels import levels_lead, nats_beside_levels
 from jointwear.effects import get_effect
 
@@ -15,27 +14,15 @@ AXIS = 1
 DRIFT = get_effect("torque_offset_drift")
 
 
-def _lacking(white, torque):
-    targets = [y + white.columns(a, torque) * (a == AXIS) for a, y in enumerate(white.targets)]
-    return replace(white, targets=targets)
-
-
-def _trial(white, effect, nonlinear):
-    candidate = Candidate(effect, AXIS, None, nonlinear)
-    columns = raw_columns(white, candidate)
-    term = Term(effect, {AXIS: white.columns(AXIS, columns)}, prior_std(white, candidate, columns), {AXIS: columns})
-    return Named(candidate, term, None, 99.0)
-
-
 def test_levels_of_records_are_no_wave(white):
     state = white.problem.train_state
     record, half = np.asarray(state.record), 0.5 * white.problem.settings.accept
     waves = [p for p in DRIFT.grid(state, AXIS) if "period" in p]
-    levels = _lacking(white, np.array([6.0, -5.0, 7.0])[record - record.min()])
-    leads = [levels_lead(levels, levels.fit([]), _trial(levels, "torque_offset_drift", p)) for p in waves]
+    levels = lacking_on(white, AXIS, np.array([6.0, -5.0, 7.0])[record - record.min()])
+    leads = [levels_lead(levels, levels.fit([]), trial_of(levels, "torque_offset_drift", AXIS, p)) for p in waves]
     assert min(leads) > half
-    drifts = _lacking(white, 7.0 * np.sin(2 * np.pi * (state.time - waves[2]["start"]) / waves[2]["period"]))
-    assert levels_lead(drifts, drifts.fit([]), _trial(drifts, "torque_offset_drift", waves[2])) < half
+    drifts = lacking_on(white, AXIS, 7.0 * np.sin(2 * np.pi * (state.time - waves[2]["start"]) / waves[2]["period"]))
+    assert levels_lead(drifts, drifts.fit([]), trial_of(drifts, "torque_offset_drift", AXIS, waves[2])) < half
 
 
 @pytest.mark.parametrize(("within", "told"), [(False, False), (True, True)])
@@ -54,10 +41,7 @@ def test_friction_over_a_position_of_its_own_in_each_record_is_a_level_of_it(whi
     wave = 6.0 * np.sin(9.0 * position[:, AXIS])
     torque = (wave if within else levels) * state.direction[:, AXIS]
     nonlinear = {"order": 9.0 if within else 1.5, "low": -2.5, "high": 1.5}
-    candidate = Candidate("position_dependent_friction", AXIS, None, nonlinear)
-    columns = get_effect(candidate.effect).columns(apart, AXIS, None, nonlinear)
-    term = Term("wave", {AXIS: asked.columns(AXIS, columns)}, prior_std(asked, candidate, columns), {AXIS: columns})
-    trial, lacking = Named(candidate, term, None, 99.0), _lacking(asked, torque)
-    fit = lacking.fit([])
-    assert gain(*fit.gram(term.blocks), term.std) > half
+    trial = trial_of(asked, "position_dependent_friction", AXIS, nonlinear)
+    lacking = lacking_on(asked, AXIS, torque)
+    assert gain(*lacking.fit([]).gram(trial.term.blocks), trial.term.std) > half
     assert (nats_beside_levels(lacking, [], trial) > half) is told

@@ -5,10 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from discovery_cases import trial_of
 
-from jointwear.discovery.estimates.outcome import Named, Outcome
-from jointwear.discovery.linear import Term
-from jointwear.discovery.problem.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.problem.whitening import INERTIAL
 from jointwear.discovery.search import decide
 from jointwear.discovery.search.acceptance import nats_without_witnesses
@@ -22,10 +21,7 @@ SPRING = "joint_spring", {"centre": 0.0, "low": -9.0, "high": 9.0}
 
 def _gain(white, axis=ELBOW, effect=GAIN):
     identifier, nonlinear = effect
-    candidate = Candidate(identifier, axis, None, nonlinear)
-    columns = raw_columns(white, candidate)
-    term = Term("one", {axis: white.columns(axis, columns)}, prior_std(white, candidate, columns), {axis: columns})
-    return Named(candidate, term, None, 99.0)
+    return trial_of(white, identifier, axis, nonlinear)
 
 
 def _bent(white):

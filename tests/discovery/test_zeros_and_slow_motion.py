@@ -5,11 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from discovery_cases import lacking_on, trial_of
 
-from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.estimates.refine import evidence_at, refine, simplest
-from jointwear.discovery.linear import Term
-from jointwear.discovery.problem.candidates import Candidate, prior_std, raw_columns
+from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.problem.reversals import unseen_slow_motion
 from jointwear.discovery.search.acceptance import _sigmas
 from jointwear.effects import get_effect
@@ -18,24 +17,12 @@ AXIS = 1
 DRIFT = get_effect("torque_offset_drift")
 
 
-def _lacking(white, torque):
-    targets = [y + white.columns(a, torque) * (a == AXIS) for a, y in enumerate(white.targets)]
-    return replace(white, targets=targets)
-
-
-def _trial(white, effect, nonlinear):
-    candidate = Candidate(effect, AXIS, None, nonlinear)
-    columns = raw_columns(white, candidate)
-    term = Term(effect, {AXIS: white.columns(AXIS, columns)}, prior_std(white, candidate, columns), {AXIS: columns})
-    return Named(candidate, term, None, 99.0)
-
-
 @pytest.mark.parametrize("waves", [0.5, 1.2, 1.75, 2.3, 2.75, 3.3, 3.8])
 def test_a_slow_wave_has_its_period_however_often_it_turns(white, waves):
     """The evidence has a peak for every half wave over the time of the recordings: a search stays on its own."""
     state = white.problem.train_state
     start, span = float(np.min(state.time)), float(np.ptp(state.time))
-    lacking = _lacking(white, 7.0 * np.sin(2 * np.pi * waves * (state.time - start) / span + 0.4))
+    lacking = lacking_on(white, AXIS, 7.0 * np.sin(2 * np.pi * waves * (state.time - start) / span + 0.4))
     fit = lacking.fit([])
     grid = [Candidate("torque_offset_drift", AXIS, None, p) for p in DRIFT.grid(state, AXIS) if "period" in p]
     best = max(grid, key=lambda c: evidence_at(lacking, fit, c))
@@ -53,14 +40,14 @@ def test_of_waves_through_the_same_few_recordings_the_slowest_is_written(white):
     start = float(np.min(apart.time))
     fast = Candidate("torque_offset_drift", AXIS, None, {"start": start, "period": span / 4.0})
     for size, waves in ((0.5, 4.0), (40.0, 0.85)):
-        lacking = _lacking(few, size * np.sin(2 * np.pi * waves * (apart.time - start) / span + 0.4))
+        lacking = lacking_on(few, AXIS, size * np.sin(2 * np.pi * waves * (apart.time - start) / span + 0.4))
         fit = lacking.fit([])
         found = simplest(lacking, fit, refine(lacking, fit, fast))
         assert found.nonlinear["period"] > 0.9 * span
         half = 0.5 * white.problem.settings.accept
         assert evidence_at(lacking, fit, found) > evidence_at(lacking, fit, refine(lacking, fit, fast)) - half
     # Where the data decide, the wave is as fast as they say.
-    lacking = _lacking(white, 7.0 * np.sin(2 * np.pi * 3.3 * (state.time - state.time[0]) / np.ptp(state.time)))
+    lacking = lacking_on(white, AXIS, 7.0 * np.sin(2 * np.pi * 3.3 * (state.time - state.time[0]) / np.ptp(state.time)))
     known = replace(fast, nonlinear={"start": float(state.time[0]), "period": float(np.ptp(state.time)) / 3.3})
     found = simplest(lacking, lacking.fit([]), known)
     assert found.nonlinear["period"] == pytest.approx(known.nonlinear["period"], rel=0.01)
@@ -76,7 +63,7 @@ def test_wear_between_recordings_is_as_most_forms_through_them_have_it(white):
     problem.__dict__.update(train_state=apart)
     few, span = replace(white, problem=problem), float(np.ptp(apart.time))
     share = apart.time / span
-    lacking = _lacking(few, 5.0 * share**2 * apart.direction[:, AXIS])
+    lacking = lacking_on(few, AXIS, 5.0 * share**2 * apart.direction[:, AXIS])
     fit = lacking.fit([])
     sudden = Candidate("wear_drift", AXIS, None, {"start": 0.0, "rate": 4.0 / span, "exponent": 4.0})
     found = simplest(lacking, fit, refine(lacking, fit, sudden))
@@ -89,10 +76,10 @@ def test_wear_between_recordings_is_as_most_forms_through_them_have_it(white):
 
 
 def test_a_factor_within_its_own_error_is_none(white):
-    trial = _trial(white, "torque_constant_error", {})
+    trial = trial_of(white, "torque_constant_error", AXIS, {})
     needed = white.problem.settings.mass_sigmas
     assert _sigmas(white, [], white.fit([]), trial) < needed
-    weaker = _lacking(white, 0.1 * raw_columns(white, trial.candidate)[:, 0])
+    weaker = lacking_on(white, AXIS, 0.1 * raw_columns(white, trial.candidate)[:, 0])
     assert _sigmas(weaker, [], weaker.fit([]), trial) > needed
 
 
