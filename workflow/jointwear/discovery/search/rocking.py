@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from jointwear.discovery.search.tolerance import fit_beside_forms
 from jointwear.effects import get_effect
 from jointwear.effects.swing import drag_of, wind_up
 from jointwear.robots.rocking_base import WAYS, RockingBase
+from jointwear.statistics.runs import runs
 
 #: Argument of structure that swings with the motion.
 SWING = "swing of the base"
@@ -71,7 +71,8 @@ class Rocking:
     @cached_property
     def _folds(self) -> dict[int, list[tuple[int, slice]]]:
         """Axis -> the runs of whitened rows that are in one fold, with that fold."""
-        return {axis: _runs(self.white.folds(axis)) for axis in self.white.problem.judged}
+        folds = {axis: self.white.folds(axis) for axis in self.white.problem.judged}
+        return {axis: [(int(fold[rows.start]), rows) for rows in runs(fold)] for axis, fold in folds.items()}
 
     def torques(self, frequency: float, damping: float) -> np.ndarray:
         """Return the torques (m, n, 2) [N m] of the joints where the base swings about each of its directions."""
@@ -216,12 +217,6 @@ def _least_sure(outcome: Outcome) -> float:
 def _samples(outcome: Outcome) -> int:
     """Return how many whitened samples are searched."""
     return sum(len(y) for y in outcome.white.targets)
-
-
-def _runs(fold: np.ndarray) -> list[tuple[int, slice]]:
-    """Return the runs of one value in folds (m,), with that value."""
-    ends = [0, *(np.flatnonzero(np.diff(fold)) + 1), len(fold)]
-    return [(int(fold[a]), slice(a, b)) for a, b in pairwise(ends) if a < b]
 
 
 def _blocks(white: White, swing: Swing) -> dict[int, np.ndarray]:

@@ -85,5 +85,4 @@ def _levels(white: White, candidate: Candidate) -> Term:
     label = np.asarray(state.record)
     columns = carrier[:, None] * (label[:, None] == np.unique(label))
     blocks = {candidate.axis: white.columns(candidate.axis, columns)}
-    raw = {candidate.axis: white.raw(candidate.axis, columns)}
-    return Term("levels", blocks, prior_std(white, candidate, columns), raw)
+    return Term("levels", blocks, prior_std(white, candidate, columns))

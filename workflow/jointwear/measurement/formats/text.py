@@ -188,7 +188,7 @@ class _TornRow:
 
     def __call__(self, row: arrow_csv.InvalidRow) -> str:
         """Return what pyarrow is to do with a row; an error raised here would be lost."""
-        if row.actual_columns < row.expected_columns and row.text == self._unfinished():
+        if row.actual_columns < row.expected_columns and row.text == _unfinished(self._path, self._encoding):
             return "skip"
         number = "a row" if row.number is None else f"row {row.number}"
         self.fault = self.fault or (
@@ -198,11 +198,6 @@ class _TornRow:
         )
         self.rows.append(row.number or 0)
         return "skip" if len(self.rows) <= MOST_TORN else "error"
-
-    def _unfinished(self) -> str | None:
-        """Return the last line where no line end follows it."""
-        end = _last_bytes(self._path).decode("utf-8" if self._encoding == "utf8" else self._encoding, errors="replace")
-        return None if end.endswith("\n") else end.rpartition("\n")[2]
 
 
 def ends_within_a_row(path: Path, layout: Layout) -> bool:
@@ -215,13 +210,22 @@ def ends_within_a_row(path: Path, layout: Layout) -> bool:
     """
     try:
         head = _head(path, layout)
-        last = _last_bytes(path).decode("utf-8" if head.encoding == "utf8" else head.encoding, errors="replace")
+        row = _unfinished(path, head.encoding)
     except (InputError, OSError):
         return False
-    # A file in which no line ends, or whose last row is longer than what is looked at, shows no row.
-    _, ended, row = last.rpartition("\n")
-    cells = next(csv.reader([row], delimiter=head.delimiter, strict=False), [])
-    return bool(ended and row.strip()) and len(cells) < len(head.names)
+    if row is None or not row.strip():
+        return False
+    return len(next(csv.reader([row], delimiter=head.delimiter, strict=False), [])) < len(head.names)
+
+
+def _unfinished(path: Path, encoding: str) -> str | None:
+    """Return the last line of a log where no line end follows it, None where one does.
+
+    A file in which no line ends, or whose last row is longer than what is looked at, shows no row.
+    """
+    end = _last_bytes(path).decode("utf-8" if encoding == "utf8" else encoding, errors="replace")
+    _, ended, row = end.rpartition("\n")
+    return row if ended and row else None
 
 
 def _last_bytes(path: Path) -> bytes:

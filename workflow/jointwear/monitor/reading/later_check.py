@@ -89,7 +89,6 @@ class LaterCheck:
         self._scale = np.ones(dynamics.robot.joints)
         self._refusal: Refused | None = None
         self._reading: Reading | None = None
-        self._decade: Decade | None = None
         self._held = self._everywhere = False
         self._delay = 0.0
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
@@ -183,13 +182,14 @@ class LaterCheck:
             self._everywhere |= whole and found[0].several
             self._reading, self._refusal = found[0], refusal_of(self._name, found)
             raise self._refusal
-        self._decade = decade_of(largest_torque(measured), self._largest, chunk.units.get("torque") or "N m")
+        decade = decade_of(largest_torque(measured), self._largest, chunk.units.get("torque") or "N m")
         if whole:
             self._check_delay(measured)
-        self._check_scale(measured, samples, plain, lightened)
+        self._check_scale(measured, samples, plain, lightened, decade)
         if whole:
-            self._check_shared_scale(measured, parts, usable, plain)
-        self._check_decade(parts, usable, plain)
+            self._check_shared_scale(measured, parts, usable, plain, decade)
+        if decade is not None:
+            self._check_decade(decade, parts, usable, plain)
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             self._lost &= self._lost_in(lighter)
@@ -255,7 +255,12 @@ class LaterCheck:
             raise off_by(self._name, delay)
 
     def _check_scale(
-        self, measured: Measured, samples: Measured, plain: float, lightened: Callable[[], Measured | None]
+        self,
+        measured: Measured,
+        samples: Measured,
+        plain: float,
+        lightened: Callable[[], Measured | None],
+        decade: Decade | None,
     ) -> None:
         """Check that no other scale of the torque explains a piece as well as the first log.
 
@@ -263,10 +268,11 @@ class LaterCheck:
         ----------
         samples : of `measured`, thinned. plain : growth of what the model leaves of them, summed over axes.
         lightened : gives the samples without the load that the whole block shows, None where it shows none.
+        decade : power of ten of the first log's that all torques are, None for none.
 
         Raises
         ------
-        Refused : with the factors.
+        Refused : with the factors, or with the unit that is that power of ten.
         """
         parts, usable, sized = samples.parts, samples.usable, self.off_scale_of(measured)
         scale, free = sized(samples), sized(samples, load_free=True)
@@ -289,7 +295,7 @@ class LaterCheck:
         # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
         if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
             return
-        self._prefer_decade(parts, usable, left)
+        self._prefer_decade(decade, parts, usable, left)
         known, self._scale = np.flatnonzero(scale != 1.0), scale
         told = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
         mended = ", ".join(f"{significant(1 / scale[j])} for joint {j + 1}" for j in known)
@@ -318,24 +324,22 @@ class LaterCheck:
 
         return off
 
-    def _check_decade(self, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+    def _check_decade(self, decade: Decade, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
         """Check that the torques of all joints are not a power of ten of what the robot ever had.
 
         Raises
         ------
         Refused : with the factor, where the torque over it is explained far better too.
         """
-        if self._decade is not None:
-            left = self._left_over(parts, usable, np.full_like(self._scale, self._decade.factor))
-            if plain - left > WORSE:
-                self._refuse_decade(self._decade)
+        if plain - self._left_over(parts, usable, np.full_like(self._scale, decade.factor)) > WORSE:
+            self._refuse_decade(decade)
 
     def _refuse_decade(self, decade: Decade) -> None:
         self._scale = np.full_like(self._scale, decade.factor)
         self._refusal = Refused(f"{self._name}: {decade.reason}", OF_ONE_LOG)
         raise self._refusal
 
-    def _prefer_decade(self, parts: np.ndarray, usable: np.ndarray, left: float) -> None:
+    def _prefer_decade(self, decade: Decade | None, parts: np.ndarray, usable: np.ndarray, left: float) -> None:
         """Check that factors of joints, found beside the model, are not one unit: what a model lacks makes the factor
         of each another, and the robot's own torques before tell it.
 
@@ -348,13 +352,14 @@ class LaterCheck:
         Refused : with the unit, where it explains the torque about as well. Factors that explain it better than that of
             the first log was make up for what the model lacks.
         """
-        decade = self._decade
         if decade is None or not decade.close or not decade.unit:
             return
         if self._left_over(parts, usable, np.full_like(self._scale, decade.factor)) - max(left, 0.0) < WORSE:
             self._refuse_decade(decade)
 
-    def _check_shared_scale(self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
+    def _check_shared_scale(
+        self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float, decade: Decade | None
+    ) -> None:
         """Check that the torques of all joints together are no other multiple of the model's.
 
         Raises
@@ -377,7 +382,7 @@ class LaterCheck:
             measured, left, lambda thin: shared_scale(self._dynamics, thin.parts, thin.usable) is not None
         ):
             return
-        self._prefer_decade(parts, usable, left)
+        self._prefer_decade(decade, parts, usable, left)
         self._scale = scale
         self._refusal = Refused(
             f"{self._name}: gravity and inertial torques of all joints are about {significant(factor, 2)} times those "

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -46,7 +47,8 @@ class OtherReadings:
         ----------
         parts, usable : samples as of :func:`.explained`, (m, 4, n) and (m, n).
         """
-        mending = self._mending(parts, usable) or self._better_turned(parts, usable)
+        turned = [(reading, self._explained(reading, parts, usable)) for reading in all_turned(self.dynamics.robot)]
+        mending = self._mending(parts, usable, turned) or self._better_turned(turned)
         if not mending:
             return []
         robot, likelihood = self.dynamics.robot, Likelihood(self.dynamics, FEWEST_OF_JOINT)
@@ -62,7 +64,10 @@ class OtherReadings:
 
     def left(self, reading: Reading, parts: np.ndarray, usable: np.ndarray) -> float:
         """Return the growth, summed over axes, of samples that are read so."""
-        return self._growth(explained(self.dynamics, *reading.read(parts, usable, self.dynamics.robot)))
+        return self._growth(self._explained(reading, parts, usable))
+
+    def _explained(self, reading: Reading, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
+        return explained(self.dynamics, *reading.read(parts, usable, self.dynamics.robot))
 
     def _growth(self, left: np.ndarray) -> float:
         grown = self.grown(left)
@@ -75,23 +80,28 @@ class OtherReadings:
     def _mends(self, growth: float) -> bool:
         return growth < MENDED and self._gain(growth) > WORSE
 
-    def _mending(self, parts: np.ndarray, usable: np.ndarray) -> list[tuple[float, Reading]]:
-        """Return growth and reading of those under which samples are explained as in the first log."""
+    def _mending(
+        self, parts: np.ndarray, usable: np.ndarray, turned: list[tuple[Reading, np.ndarray]]
+    ) -> list[tuple[float, Reading]]:
+        """Return growth and reading of those under which samples are explained as in the first log.
+
+        Parameters
+        ----------
+        turned : readings that turn all joints around, with the shares (n,) that they leave.
+        """
         # A reading that does not mend a part of the samples mends no more of all.
         others = explained_otherwise(self.dynamics, parts, usable, lambda _, left: not self._mends(self._growth(left)))
-        found = [(self._growth(left), reading) for reading, left in others]
-        found += [(self.left(reading, parts, usable), reading) for reading in all_turned(self.dynamics.robot)]
+        found = [(self._growth(left), reading) for reading, left in chain(others, turned)]
         return [(growth, reading) for growth, reading in found if self._mends(growth)]
 
-    def _better_turned(self, parts: np.ndarray, usable: np.ndarray) -> list[tuple[float, Reading]]:
-        """Return growth and reading of those that turn all joints around and explain each of them far better.
+    def _better_turned(self, turned: list[tuple[Reading, np.ndarray]]) -> list[tuple[float, Reading]]:
+        """Return growth and reading of those that turn all joints around, `turned`, and explain each far better.
 
         They need not explain them as in the first log, which may have had another product: no load makes the torques
         of all joints count the other way round.
         """
         found = []
-        for reading in all_turned(self.dynamics.robot):
-            left = explained(self.dynamics, *reading.read(parts, usable, self.dynamics.robot))
+        for reading, left in turned:
             drop = (self.plain - self.grown(left))[np.isfinite(self.plain)]
             if np.all(drop > CLEARLY) and np.sum(drop) > WORSE and np.nanmax(left) < WRONG:
                 found.append((self._growth(left), reading))
