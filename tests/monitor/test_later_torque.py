@@ -25,12 +25,13 @@ from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of, read_log
 from jointwear.measurement.refused import Refused
 from jointwear.monitor.findings.read_findings import reading_findings
-from jointwear.monitor.reading import later_check, misreadings
+from jointwear.monitor.reading import misreadings, other_scales
 from jointwear.monitor.reading.derivation import derive_motion
-from jointwear.monitor.reading.later_check import LaterCheck, beyond_loads, largest_torque
+from jointwear.monitor.reading.later_check import LaterCheck
 from jointwear.monitor.reading.logs import log_statistics
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.other_readings import OtherReadings
+from jointwear.monitor.reading.other_scales import OtherScales, beyond_loads, largest_torque
 from jointwear.monitor.reading.survey import survey_log
 from jointwear.monitor.reading.windows import blank_statistics
 from jointwear.robots.dynamics import Dynamics
@@ -297,8 +298,7 @@ def test_a_factor_is_one_only_where_the_torque_is_as_large_as_it_says(factor):
     measured = SimpleNamespace(**values, torque=torque, usable=np.abs(motion.velocity) > 0.02)
     largest = largest_torque(measured)
     for first, told in ((largest, None), (largest / abs(factor), factor), (np.full(6, np.nan), factor)):
-        check = LaterCheck(Dynamics(robot), np.full(6, 0.02), [0.02] * 6, "log", first)
-        scale = check.off_scale_of(measured)(measured)
+        scale = OtherScales(Dynamics(robot), "log", first, lambda *_: np.zeros(6), measured, "N m").off_scale(measured)
         assert (scale is None) if told is None else scale[4] == pytest.approx(told, rel=0.05)
 
 
@@ -429,11 +429,11 @@ def test_one_move_with_a_part_is_no_other_unit_where_the_part_shows_in_the_moves
         assert asked.tolist() == [False, False, True, True, False, False]
         return off_scale(samples, robot, load_free, asked)
 
-    monkeypatch.setattr(later_check, "off_scale", off)
-    monkeypatch.setattr(later_check, "without_load", lambda *_: None)
-    monkeypatch.setattr(later_check, "gained_by", lambda *_: 100.0)
-    monkeypatch.setattr(LaterCheck, "_explains", lambda *_: True)
-    monkeypatch.setattr(LaterCheck, "_left_over", lambda *_: 0.5)
+    monkeypatch.setattr(other_scales, "off_scale", off)
+    monkeypatch.setattr(other_scales, "without_load", lambda *_: None)
+    monkeypatch.setattr(other_scales, "gained_by", lambda *_: 100.0)
+    monkeypatch.setattr(OtherScales, "_explains", lambda *_: True)
+    monkeypatch.setattr(OtherScales, "left_over", lambda *_: 0.5)
     monkeypatch.setattr(OtherReadings, "find", lambda *_: [])
     for torque, fits in ((free, True), (None, False)):
         found[:] = [np.array([1.5, 1.5, 13.0, 3.5, 1.0, 1.0])] * 2

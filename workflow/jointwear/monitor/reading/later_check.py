@@ -15,32 +15,22 @@ from functools import cache
 
 import numpy as np
 
-from jointwear.files.wording import significant
 from jointwear.measurement.checks.axes_check import explained
 from jointwear.measurement.checks.axis_readings import Reading
 from jointwear.measurement.checks.copied_columns import check_columns_differ
 from jointwear.measurement.checks.derivative_checks import check_derivatives
 from jointwear.measurement.checks.held_rows import check_rows_are_new, check_torques_are_new
 from jointwear.measurement.checks.position_unit import check_position_unit
-from jointwear.measurement.checks.torque_scale import (
-    FACTOR,
-    LIKELIER,
-    OF_ONE,
-    factors,
-    gained_by,
-    off_scale,
-    shared_scale,
-    thinned,
-)
+from jointwear.measurement.checks.torque_scale import thinned
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.units import size_of
-from jointwear.monitor.reading.decade_of_torque import Decade, decade_of
 from jointwear.monitor.reading.derivation import Motion
 from jointwear.monitor.reading.misreadings import without_load
 from jointwear.monitor.reading.other_readings import MENDED, SAME_GROWTH, WORSE, OtherReadings, refusal_of
+from jointwear.monitor.reading.other_scales import OtherScales
 from jointwear.monitor.reading.other_time import OtherTime, off_by
 from jointwear.monitor.reading.plausibility import busiest_piece, check_units, in_motion, measured_in
 from jointwear.monitor.reading.standing_torque import standing
@@ -56,11 +46,6 @@ MOST_LOST = 0.5
 #: Share of the axes up to which a piece counts as one in which hardly anything moves, and of its samples in which an
 #: axis that hardly moves is in motion: fast programs in radians read as degrees are, now and then.
 SLOW, SELDOM = 0.5, 0.1
-#: What mends a torque of one log that is another than that of the first.
-OF_ONE_LOG = (
-    "write the torque of this log as the first log has it: 'units', 'scale' and 'torque_constant' hold for all logs of "
-    "a robot"
-)
 
 
 class LaterCheck:
@@ -149,8 +134,9 @@ class LaterCheck:
         except Refused:
             self._held = True
             raise
-        samples = thinned(measured)
-        parts, usable = samples.parts, samples.usable
+        unit = chunk.units.get("torque") or "N m"
+        scales = OtherScales(self._dynamics, self._name, self._largest, self._growth, measured, unit)
+        parts, usable = scales.samples.parts, scales.samples.usable
 
         @cache
         def lightened() -> Measured | None:
@@ -160,7 +146,7 @@ class LaterCheck:
             lighter = busiest_piece(replace(chunk, torque=torque), stretch, motion, self._dead_band)
             return replace(lighter, usable=lighter.usable & ~stands)
 
-        self._last = self._growth(parts, usable)
+        self._last = scales.plain
         plain, others = float(np.nansum(self._last)), OtherReadings(self._dynamics, self._grown, self._last)
         if self._delay:
             self._check_delay(measured, self._delay)
@@ -168,7 +154,7 @@ class LaterCheck:
             # Each part of a log with one fault may be just below what is no chance.
             if others.left(self._reading, parts, usable) < plain:
                 raise self._refusal
-        elif self._refusal is not None and self._left_over(parts, usable, self._scale) <= plain:
+        elif self._refusal is not None and scales.left_over(self._scale) <= plain:
             raise self._refusal
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
         if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
@@ -182,14 +168,11 @@ class LaterCheck:
             self._everywhere |= whole and found[0].several
             self._reading, self._refusal = found[0], refusal_of(self._name, found)
             raise self._refusal
-        decade = decade_of(largest_torque(measured), self._largest, chunk.units.get("torque") or "N m")
         if whole:
             self._check_delay(measured)
-        self._check_scale(measured, samples, plain, lightened, decade)
-        if whole:
-            self._check_shared_scale(measured, parts, usable, plain, decade)
-        if decade is not None:
-            self._check_decade(decade, parts, usable, plain)
+        if (scale := scales.find(lightened, whole)) is not None:
+            self._scale, self._refusal = scale
+            raise self._refusal
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             self._lost &= self._lost_in(lighter)
@@ -254,206 +237,9 @@ class LaterCheck:
             self._delay = delay
             raise off_by(self._name, delay)
 
-    def _check_scale(
-        self,
-        measured: Measured,
-        samples: Measured,
-        plain: float,
-        lightened: Callable[[], Measured | None],
-        decade: Decade | None,
-    ) -> None:
-        """Check that no other scale of the torque explains a piece as well as the first log.
-
-        Parameters
-        ----------
-        samples : of `measured`, thinned. plain : growth of what the model leaves of them, summed over axes.
-        lightened : gives the samples without the load that the whole block shows, None where it shows none.
-        decade : power of ten of the first log's that all torques are, None for none.
-
-        Raises
-        ------
-        Refused : with the factors, or with the unit that is that power of ten.
-        """
-        parts, usable, sized = samples.parts, samples.usable, self.off_scale_of(measured)
-        scale, free = sized(samples), sized(samples, load_free=True)
-        # Another load at the flange multiplies the bodies of the axes too, and leaves the factors beside it at one.
-        if scale is None or free is None:
-            return
-        beyond = beyond_loads(free, scale, int(np.isfinite(self._last).sum()))
-        if not self._explains(parts, usable, scale, plain):
-            if not (beyond or self._explains_loaded(measured, free, plain)):
-                return
-            scale = free
-        left = self._left_over(parts, usable, scale)
-        if self._load_explains(measured, left, lambda thin: sized(thin) is not None):
-            return
-        # One move with a part is as well explained by factors; the part shows in the moves beside it. Its load has to
-        # answer for the joints that are off: in so short a piece that of a wrist of light links may be anything.
-        accused = (scale < 0) | (np.abs(np.log(np.abs(scale))) > np.log(FACTOR))
-        if self._is_as_good(lightened(), left, lambda thin: sized(thin, asked=accused) is not None):
-            return
-        # Another product on an arm of light links: a short piece may be explained by factors as well as by its load.
-        if not beyond and gained_by(np.abs(scale), self._dynamics, parts, usable) < LIKELIER:
-            return
-        self._prefer_decade(decade, parts, usable, left)
-        known, self._scale = np.flatnonzero(scale != 1.0), scale
-        told = ", ".join(f"{significant(scale[j])} on joint {j + 1}" for j in known)
-        mended = ", ".join(f"{significant(1 / scale[j])} for joint {j + 1}" for j in known)
-        self._refusal = Refused(
-            f"{self._name}: the torque is another multiple of the model's than in the first log ({told}); it looks "
-            "like another unit, a current, a share of a rating or a torque that counts the other way round; it would "
-            f"fit times about {mended}",
-            OF_ONE_LOG,
-        )
-        raise self._refusal
-
-    def off_scale_of(self, measured: Measured) -> Callable[..., np.ndarray | None]:
-        """Return :func:`.off_scale` of this robot, asked only of joints whose torque is as large as their factor says.
-
-        What multiplies a torque multiplies that of friction too, which fills the torque of most joints. Where bodies
-        ask next to nothing of a joint, and its friction is in no file, a part that the robot carries is explained by
-        190 times these bodies beside a torque that is what it was.
-        """
-        times = largest_torque(measured) / self._largest
-
-        def off(thin: Measured, load_free: bool = False, asked: np.ndarray | None = None) -> np.ndarray | None:
-            factor, robot = factors(thin, self._dynamics.robot, load_free)[0], self._dynamics.robot
-            with np.errstate(divide="ignore"):
-                told = ~(np.abs(np.log(np.abs(factor) / times)) > np.log(OF_ONE))
-            return off_scale(thin, robot, load_free, told if asked is None else told & asked)
-
-        return off
-
-    def _check_decade(self, decade: Decade, parts: np.ndarray, usable: np.ndarray, plain: float) -> None:
-        """Check that the torques of all joints are not a power of ten of what the robot ever had.
-
-        Raises
-        ------
-        Refused : with the factor, where the torque over it is explained far better too.
-        """
-        if plain - self._left_over(parts, usable, np.full_like(self._scale, decade.factor)) > WORSE:
-            self._refuse_decade(decade)
-
-    def _refuse_decade(self, decade: Decade) -> None:
-        self._scale = np.full_like(self._scale, decade.factor)
-        self._refusal = Refused(f"{self._name}: {decade.reason}", OF_ONE_LOG)
-        raise self._refusal
-
-    def _prefer_decade(self, decade: Decade | None, parts: np.ndarray, usable: np.ndarray, left: float) -> None:
-        """Check that factors of joints, found beside the model, are not one unit: what a model lacks makes the factor
-        of each another, and the robot's own torques before tell it.
-
-        Parameters
-        ----------
-        left : growth that the factors leave.
-
-        Raises
-        ------
-        Refused : with the unit, where it explains the torque about as well. Factors that explain it better than that of
-            the first log was make up for what the model lacks.
-        """
-        if decade is None or not decade.close or not decade.unit:
-            return
-        if self._left_over(parts, usable, np.full_like(self._scale, decade.factor)) - max(left, 0.0) < WORSE:
-            self._refuse_decade(decade)
-
-    def _check_shared_scale(
-        self, measured: Measured, parts: np.ndarray, usable: np.ndarray, plain: float, decade: Decade | None
-    ) -> None:
-        """Check that the torques of all joints together are no other multiple of the model's.
-
-        Raises
-        ------
-        Refused : with the factor.
-        """
-        told = shared_scale(self._dynamics, parts, usable)
-        if told is None:
-            return
-        # A load that is free takes a part of a factor; friction, where the file knows it, tells the whole.
-        whole = shared_scale(self._dynamics, parts, usable, nominal_friction=True) or 1.0
-        sizes = [told, whole] if (whole - 1.0) * (told - 1.0) > 0 else [told]
-        factor = min(sizes, key=lambda size: self._left_over(parts, usable, np.full_like(self._scale, size)))
-        scale = np.full_like(self._scale, factor)
-        if not self._explains(parts, usable, scale, plain):
-            return
-        # A part that is carried on some moves is like a factor too: the likelihood has a load that is carried on all.
-        left = self._left_over(parts, usable, scale)
-        if self._load_explains(
-            measured, left, lambda thin: shared_scale(self._dynamics, thin.parts, thin.usable) is not None
-        ):
-            return
-        self._prefer_decade(decade, parts, usable, left)
-        self._scale = scale
-        self._refusal = Refused(
-            f"{self._name}: gravity and inertial torques of all joints are about {significant(factor, 2)} times those "
-            "of the model whatever their friction, unlike in the first log; it looks like another unit, another torque "
-            f"constant or a share of a rating; the torque would fit times about {significant(1 / factor, 2)}",
-            OF_ONE_LOG,
-        )
-        raise self._refusal
-
-    def _load_explains(self, measured: Measured, left: float, off: Callable[[Measured], bool]) -> bool:
-        """Return whether a load at the flange, carried on any moves, is as good a cause as a scale that leaves a growth
-        `left`; `off`: whether thinned samples without the load are still of another scale.
-
-        It is where the torque without it is explained as well: one of tons takes the bodies' part of a torque in mN m,
-        and leaves that of friction.
-        """
-        return self._is_as_good(without_load(measured, self._dynamics.robot), left, off)
-
-    def _is_as_good(self, lighter: Measured | None, left: float, off: Callable[[Measured], bool]) -> bool:
-        """Return whether samples without a load, None where none shows, are explained as :meth:`_load_explains`
-        asks."""
-        if lighter is None:
-            return False
-        thin = thinned(lighter)
-        if off(thin):
-            return False
-        return self._left_over(thin.parts, thin.usable, np.ones_like(self._scale)) - left < WORSE
-
-    def _explains_loaded(self, measured: Measured, scale: np.ndarray, plain: float) -> bool:
-        """Return :meth:`_explains` of a scale (n,) with the load taken off that then shows."""
-        lighter = without_load(replace(measured, torque=measured.torque / scale), self._dynamics.robot)
-        if lighter is None:
-            return False
-        thin = thinned(lighter)
-        return self._explains(thin.parts, thin.usable, np.ones_like(scale), plain)
-
-    def _explains(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray, plain: float) -> bool:
-        """Return whether the torque over a scale (n,) is explained as in the first log, unlike as it is."""
-        left = self._left_over(parts, usable, scale)
-        return left < MENDED and plain - left > WORSE - MENDED
-
-    def _left_over(self, parts: np.ndarray, usable: np.ndarray, scale: np.ndarray) -> float:
-        """Return the growth, summed over axes, once the torque is divided by a scale (n,)."""
-        scaled = parts.copy()
-        scaled[:, 3] /= scale
-        return float(np.nansum(self._growth(scaled, usable)))
-
     def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
         """Log of what the model leaves of each axis over what it usually leaves, (n,); NaN where unknown."""
         return self._grown(explained(self._dynamics, parts, usable))
 
     def _grown(self, left: np.ndarray) -> np.ndarray:
         return np.log(np.maximum(left, RIGHT) / self._usual)
-
-
-def largest_torque(measured: Measured) -> np.ndarray:
-    """Return the largest torque (n,) [N m] of each joint among the samples that count, 0 where none does."""
-    return np.max(np.where(measured.usable, np.abs(np.nan_to_num(measured.torque)), 0.0), axis=0, initial=0.0)
-
-
-def beyond_loads(scale: np.ndarray, alone: np.ndarray, axes: int) -> bool:
-    """Return whether a scale, found beside a load, is off by more than its errors can be on most axes.
-
-    Beside a load that is left free the bodies of a few seconds of a slow arm may have any factor: it is none where that
-    without a load is clearly about one.
-
-    Parameters
-    ----------
-    scale, alone : (n,) factors beside a load and without one; exactly one where a factor is not clear.
-    axes : number of axes that are known.
-    """
-    right = (alone != 1.0) & (alone > 1 / FACTOR) & (alone < FACTOR)
-    off = ~right & (np.abs(np.log(np.abs(scale))) > np.log(OF_ONE))
-    return bool(off.sum() > MOST_LOST * axes)
