@@ -198,6 +198,10 @@ def test_growing_play_alarms_under_its_own_name_and_steady_play_does_not():
     assert not [a for a in worn.alarms if "friction" in a["quantity"]]
     assert not [f for f in worn.findings if f["kind"] == "proposed_service"]
     assert worn.estimates[BACKLASH][-1, 1] == pytest.approx(100, abs=40)
+    # Of pulses twice as large the same relative error is twice as many percent.
+    judged = np.isfinite(worn.std[BACKLASH][:, 1])
+    before, after = (np.median(worn.std[BACKLASH][part, 1][judged[part]]) for part in (slice(72, 90), slice(-20, None)))
+    assert after > 1.5 * before
     for seed in range(3):
         assert not alarms_of(judge(with_pulses(np.zeros(WINDOWS), seed), 72, SETTINGS))
 

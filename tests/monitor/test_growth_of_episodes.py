@@ -14,7 +14,7 @@ from jointwear.monitor.watching.limits import COULOMB as COULOMB_FRICTION
 from jointwear.monitor.watching.limits import VISCOUS as VISCOUS_FRICTION
 from jointwear.monitor.watching.limits import Limits
 from jointwear.monitor.watching.parts import viscous_growth, viscous_part
-from jointwear.monitor.watching.present import back_to_normal
+from jointwear.monitor.watching.present import back_to_normal, coulomb_growth
 from jointwear.monitor.watching.records import Teller
 from jointwear.monitor.watching.watched_axis import Start
 
@@ -228,3 +228,16 @@ def test_what_no_longer_shows_in_the_viscous_part_is_no_alarm_of_it(mean, name):
     viscous = SimpleNamespace(mean=np.array([[mean]]), mean_std=np.array([[0.01]]))
     teller = SimpleNamespace(_level=level, _viscous=viscous)
     assert Teller._parts(teller, 0, 0, True)[:2] == (name, mean if name == VISCOUS_FRICTION else 0.2)
+
+
+def test_an_error_of_a_logarithm_is_told_as_one_of_the_growth():
+    """0.005 of a level that has tripled is 1.5 % of what it was."""
+    end = 3600.0 * np.arange(SHIFT.size)
+    still = watched(noise_of(1))
+    for grown in (1.0, 3.0):
+        level = watched(np.log(grown) + noise_of(0))
+        growth, std, error = coulomb_growth(level, still, 0, SHIFT, end, viscous_growth(level, still, 0, SHIFT, 0.5))
+        assert growth[-4:].mean() == pytest.approx(grown - 1.0, abs=0.02)
+        assert std[-4:].mean() == pytest.approx(0.005 * grown, rel=0.02)
+        plain = coulomb_growth(watched(noise_of(0)), still, 0, SHIFT, end, viscous_growth(level, still, 0, SHIFT, 0.5))
+        assert error == pytest.approx(grown * plain[2], rel=0.02)

@@ -146,8 +146,8 @@ def _of_temperature(problem: Problem) -> list[str]:
         return []
     told = (
         f"the temperature of {numbered('joint', coincide)} differs between the {len(labels)} training "
-        "trajectories and hardly within them: what changes with temperature cannot be told from what differs "
-        "between these trajectories"
+        "trajectories and hardly within them: an effect of temperature, named or not, rests on what differs between "
+        "these trajectories, and anything else that differs between them may be its cause; record while the joints warm"
     )
     return [told]
 

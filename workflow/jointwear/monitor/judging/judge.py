@@ -142,7 +142,7 @@ def judge(
         alarms += paper_records(statistics, first, rate, seen.regime, anew)
     estimates, std, now_error = _estimates(level, viscous, teller.grown, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)
-    std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * backlash.std, np.nan)
+    std[BACKLASH] = np.where(np.isfinite(backlash.residual), 100 * np.exp(backlash.residual) * backlash.std, np.nan)
     quantities, limits = teller.now()
     status = raised_status(teller.status, backlash, CHANGED)
     return Judgement(

@@ -39,14 +39,18 @@ def coulomb_growth(
     """Return the growth (w,) of the level of axis `j` over its normal value, without what of it is viscous, its
     standard deviation (w,), and that of its mean now.
 
+    Errors of a logarithm are shares of what has grown: a level that is three times its normal value has three times
+    the error of one that is as it was.
+
     Parameters
     ----------
     shift : (w,) labels. end : (w,) [s]. grown : what of the growth is viscous.
     """
     part, spread = viscous_part(level, viscous, j, shift, grown)
     of_part = error_now(viscous, j, shift, end) if viscous.axes[j] is not None and spread[-1] > 0 else 0.0
-    error = float(np.hypot(error_now(level, j, shift, end), of_part))
-    return np.expm1(level.residual[:, j]) - part, np.hypot(level.std[:, j], spread), error
+    residual, std = level.residual[:, j], level.std[:, j]
+    error = float(np.hypot(np.exp(mean_now(residual, std, end)) * error_now(level, j, shift, end), of_part))
+    return np.expm1(residual) - part, np.hypot(np.exp(residual) * std, spread), error
 
 
 def error_now(watched: Watch, j: int, shift: np.ndarray, end: np.ndarray) -> float:

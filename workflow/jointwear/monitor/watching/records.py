@@ -244,7 +244,7 @@ class Teller:
         if np.isfinite(found).all():
             return found
         mean, error = float(watched.mean[k, j]), float(watched.mean_std[k, j])
-        return (float(np.expm1(mean)) if name == COULOMB else mean), error
+        return (float(np.expm1(mean)), float(np.exp(mean)) * error) if name == COULOMB else (mean, error)
 
     def _percent_of(self, j: int, name: str) -> float:
         """Return the growth of a quantity of an axis, of what it was in the normal period, for one N m [%/(N m)]."""
