@@ -21,6 +21,7 @@ from jointwear.discovery.search.in_its_place import better_in_its_place
 from jointwear.discovery.search.least_torque import rms
 from jointwear.discovery.search.leftovers import LINE, fit_again, without_outliers
 from jointwear.discovery.search.rocking import Swing, swing_beside, swing_terms, swings
+from jointwear.discovery.search.steeper_wave import steeper_wave
 from jointwear.discovery.search.windings import stiffens, wound_up_further_in
 from jointwear.effects import get_effect
 from jointwear.effects.state import record_slices
@@ -87,13 +88,18 @@ def _acts_on_two(outcome: Outcome, one: Named) -> str | None:
 
 def _unsteady(outcome: Outcome, one: Named) -> str | None:
     """Say of an effect that is not the same at all times, or speeds, that it is not; `outcome` notes it."""
-    ahead = encoder_wave(outcome, one)
-    spread = changing(outcome, one) if ahead is None else None
-    if ahead is None and spread is None:
+    ahead, steeper = encoder_wave(outcome, one), steeper_wave(outcome, one)
+    spread = changing(outcome, one) if ahead is None and steeper is None else None
+    if ahead is None and steeper is None and spread is None:
         return None
     outcome.unsteady.add(one.candidate.key)
-    if ahead is None:
+    if spread is not None:
         return f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
+    if steeper is not None and (ahead is None or steeper > ahead):
+        return (
+            f"it grows with the square of the torque, which explains {steeper:.0f} nats more: so does what iron that "
+            "saturates, or an inductance that changes with the angle, makes of a current"
+        )
     return (
         f"it grows with the square of the speed, which explains {ahead:.0f} nats more: so does what an encoder that is "
         "off by a wave makes of a controller that follows it"
