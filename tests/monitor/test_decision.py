@@ -10,7 +10,7 @@ from jointwear.monitor.normal.normal_state import Posterior
 from jointwear.monitor.normal.recent_shifts import AxisWindows, _unexplained
 from jointwear.monitor.normal.shift_scale import shift_scale
 from jointwear.monitor.watching.decision import DOUBT, STEP_WINDOWS, TOLERATED, Evidence, shift_evidence
-from jointwear.monitor.watching.watching import _service
+from jointwear.monitor.watching.falls import proposed
 
 
 def evidence(
@@ -159,17 +159,22 @@ def told_fall(fall, judged=None, shifts=3):
 def test_a_service_is_proposed_by_whole_shifts_and_begins_where_the_first_judged_one_does():
     """Four services that never were came of the first windows of a third shift, which as a whole took the fall back."""
     shift, baseline = np.repeat(np.arange(6), 4), np.arange(24) < 4
+
+    def begins(told, windows=24):
+        found = proposed(told, 4.0, 8.0, shift[:windows], baseline[:windows])
+        return found and (found[0], found[1].window)
+
     over = np.zeros(24)
     over[16:18] = 9.0
-    assert _service(told_fall(over), 4.0, shift, baseline) is None
+    assert begins(told_fall(over)) is None
     over[18:20] = 9.0
-    assert _service(told_fall(over), 4.0, shift, baseline) == (19, 8)
+    assert begins(told_fall(over)) == (19, 8)
     # A shift that goes on tells by its windows so far.
-    assert _service(told_fall(over[:19]), 4.0, shift[:19], baseline[:19]) == (18, 8)
+    assert begins(told_fall(over[:19]), 19) == (18, 8)
     # The shifts that it rests on are judged ones.
     judged = (shift != 2) & (shift != 3)
-    assert _service(told_fall(over, judged, shifts=2), 4.0, shift, baseline) == (19, 4)
-    assert _service(told_fall(over, np.zeros(24, dtype=bool)), 4.0, shift, baseline) is None
+    assert begins(told_fall(over, judged, shifts=2)) == (19, 4)
+    assert begins(told_fall(over, np.zeros(24, dtype=bool))) is None
 
 
 def test_friction_that_fell_before_does_not_hide_wear_that_begins_from_there():

@@ -110,12 +110,14 @@ def test_an_axis_that_fell_since_its_alarm_is_as_what_it_was_learnt_anew_from():
 def test_falls_within_a_fortnight_are_one_question_and_after_a_service_none():
     day = 86400.0
     statistics = SimpleNamespace(start=day * np.arange(60), dated=False)
-    level = SimpleNamespace(starts=[[Start(k, True) for k in (20, 25, 50)]])
+    level = SimpleNamespace(starts=[[Start(k, True, doubtful=k == 50) for k in (20, 25, 50)]])
     service = Event(19.5 * day, (0,), "service")
     once, later = _services(statistics, level, set())
     assert (once["time"], later["time"]) == (20 * day, 50 * day)
     assert once["words"].startswith("Friction of axis 1 fell, and again 600 h: was it serviced")
     assert ("fell" in once, "fell" in later) == (False, True)
+    wanders = "until then growth alarms only beyond what was normal before the fall"
+    assert (wanders in once["words"], wanders in later["words"]) == (False, True)
     told, later = _services(statistics, level, set(), [service])
     assert told["answered"]
     assert told["words"].startswith("Friction of axis 1 fell further after the service of 468 h, the last time 600 h")

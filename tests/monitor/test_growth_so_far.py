@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointwear.monitor.watching.falls import with_service
 from jointwear.monitor.watching.growth_so_far import LARGE, shrunk, stands_out
 from jointwear.monitor.watching.watched_axis import Start
-from jointwear.monitor.watching.watching import _with_service
 
 
 def test_a_growth_that_stands_out_is_taken_as_it_is_and_scatter_for_none():
@@ -35,7 +35,7 @@ def test_growth_without_an_alarm_is_told_where_it_is_likelier_than_none():
 def test_a_service_begins_anew_what_was_carried_over_later_starts():
     """What goes on over a change of program after it was measured against what no longer holds."""
     before, after = Start(10, False, True, (0.1, 1e-4)), Start(50, False, True, (0.2, 1e-4))
-    later = _with_service([before, after], hit=30, begin=25)
+    later = with_service([before, after], hit=30, start=Start(25, True))
     assert later == [before, Start(25, True), Start(50, False, True)]
-    assert _with_service(later, hit=30, begin=25) is None
-    assert _with_service(later, hit=30, begin=20) is None
+    assert with_service(later, hit=30, start=Start(25, True)) is None
+    assert with_service(later, hit=30, start=Start(20, True)) is None

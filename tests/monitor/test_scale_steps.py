@@ -27,7 +27,7 @@ def quantity(steps: dict[int, float], alarms: dict[int, int], weak: tuple[int, .
     ]
     return SimpleNamespace(
         residual=residual, noise=np.full((80, 6), 1e-6), mean=residual, shifts=np.full((80, 6), 2), alarm=alarm,
-        axes=normal, starts=[[] for _ in range(6)], baseline=np.zeros(80, dtype=bool),
+        axes=normal, starts=[[] for _ in range(6)], dips=[[] for _ in range(6)], baseline=np.zeros(80, dtype=bool),
     )  # fmt: skip
 
 

@@ -32,8 +32,9 @@ AGAIN = 0.5
 #: Days [s] for which friction may go on falling after an axis was serviced, as new grease is worked in: by itself, and
 #: with no new question.
 WORKED_IN = 14 * 86400.0
-#: Kind of a finding on a fall that may be a service, on a program that the baseline lacks, and on most axes together.
-FELL, PROGRAM, AT_ONCE = "proposed_service", "program", "at_once"
+#: Kind of a finding on a fall that may be a service, on one that has gone again, on a program that the baseline lacks,
+#: and on most axes together.
+FELL, DIP, PROGRAM, AT_ONCE = "proposed_service", "dip", "program", "at_once"
 #: Kind of a finding on what all axes do together; without an `end` they still do.
 SHARED = "shared"
 
@@ -78,7 +79,7 @@ def findings_of(
     """
     explained = {(s.axis, s.window) for s in steps} | {(j, one.window) for one in exchanges for j in one.axes}
     found = _scales(statistics, shift, steps, changed) + _services(statistics, level, explained, events)
-    found += [_exchanged(statistics, level, one) for one in exchanges]
+    found += _dips(statistics, level) + [_exchanged(statistics, level, one) for one in exchanges]
     found += _at_once(statistics, shift, level, explained)
     found += _programs(statistics, shift, shown, baseline, level, logs)
     found += _returned(statistics, shift, level, changed) + _shared(statistics, shift, baseline, level)
@@ -119,6 +120,7 @@ def _services(
     for j, starts in enumerate(level.starts):
         services = [e.time for e in events if e.kind == "service" and e.concerns(j)]
         fallen = [s.window for s in starts if s.proposed and (j, s.window) not in explained]
+        doubtful = {s.window for s in starts if s.doubtful}
         for since, windows in _falls(statistics.start, fallen, services):
             # Any later event of the axis closes what was before it.
             told = any(not later.proposed and later.window >= windows[-1] for later in starts)
@@ -128,8 +130,28 @@ def _services(
                 words, more = worked_in_words(j + 1, moment_words(statistics, since), last), {"answered": True}
             else:
                 # Axes that fell once, at one time, are told together.
-                words, more = fell_words([j + 1], last), {} if last else {"fell": True}
+                doubt = doubtful.issuperset(windows)
+                words, more = fell_words([j + 1], last, doubt), {} if last else {"fell": True}
+                more |= {"doubtful": True} if doubt else {}
             result.append({**found, "words": words, **more, **({"answered": True} if told else {})})
+    return result
+
+
+def _dips(statistics: WindowStatistics, level: Watch) -> list[dict[str, Any]]:
+    """One finding for each fall that has gone again, answered where an event of its axis came later."""
+    result = []
+    for j, dips in enumerate(level.dips):
+        for dip in dips:
+            words = (
+                f"Friction of axis {j + 1} fell and was back at what was normal before by "
+                f"{moment_words(statistics, statistics.end[dip.back])}: friction wanders by as much, or the axis was "
+                "serviced and has worn since, which friction alone does not tell apart. No growth is told of it. Only "
+                "if it was serviced, enter that under 'events', for what is normal is then learnt anew from there."
+            )
+            told = any(not later.proposed and later.window >= dip.window for later in level.starts[j])
+            known = {"answered": True} if told else {}
+            time = float(statistics.start[dip.window])
+            result.append({"time": time, "axes": [j + 1], "kind": DIP, "words": words, **known})
     return result
 
 
@@ -164,6 +186,7 @@ def _at_once(
         for k, rose in [
             *((k, True) for k in np.flatnonzero(level.alarm[:, j])[:1]),
             *((s.window, False) for s in starts if s.proposed and (j, s.window) not in explained),
+            *((dip.window, False) for dip in level.dips[j]),
         ]
     ]
     for name in sorted({b[0] for b in begins}):
@@ -211,14 +234,20 @@ def _of_many(statistics: WindowStatistics, level: Watch, window: int, axes: list
     return {"time": float(statistics.start[window]), "axes": axes, "kind": AT_ONCE, "words": words, **known}
 
 
-def fell_words(axes: Sequence[int], last: str = "") -> str:
-    """Return in words that the friction of 1-based axes fell, `last` when it did so again."""
+def fell_words(axes: Sequence[int], last: str = "", doubtful: bool = False) -> str:
+    """Return in words that the friction of 1-based axes fell, `last` when it did so again; `doubtful` where it may have
+    wandered."""
     was, it, learnt = ("was", "it", "It is") if len(axes) == 1 else ("were", "they", "They are")
     since, there = (f", and again {last}", "then") if last else ("", "there")
-    return (
+    wander = (
+        " Friction of a healthy joint wanders by as much at times: until then growth alarms only beyond what was "
+        "normal before the fall."
+    )
+    words = (
         f"Friction of {name_axes(axes)} fell{since}: {was} {it} serviced or greased? {learnt} learnt anew from "
         f"{there}; enter the service under 'events' to confirm it, or look for another cause."
     )
+    return words + wander if doubtful else words
 
 
 def worked_in_words(axis: int, since: str, last: str = "") -> str:

@@ -44,7 +44,7 @@ def _alike(found: Finding) -> tuple:
         return (kind,)
     # One that came back to normal is another story, and so is a program that has a name.
     if kind == FELL and found.get("fell"):
-        return kind, found["time"], bool(found.get("answered"))
+        return kind, found["time"], bool(found.get("answered")), bool(found.get("doubtful"))
     if kind == DRIVES:
         return kind, found["time"], found.get("end")
     if kind == PROGRAM and "ran" in found:
@@ -66,7 +66,7 @@ def _coarse(found: Sequence[Finding]) -> dict[str, Any]:
 
 def _fell(found: Sequence[Finding]) -> dict[str, Any]:
     axes = _axes(found)
-    return {"axes": axes, "words": fell_words(axes)}
+    return {"axes": axes, "words": fell_words(axes, doubtful=bool(found[0].get("doubtful")))}
 
 
 def _drive(found: Sequence[Finding]) -> dict[str, Any]:

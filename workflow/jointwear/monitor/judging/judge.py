@@ -138,7 +138,7 @@ def judge(
     teller = Teller(statistics, shift, first, level, viscous, seen.series, usual, limit, settings.events)
     alarms = teller.records() + backlash_records(statistics, backlash)
     if first.any():
-        anew = [{*own, *(s.window for s in starts)} for own, starts in zip(seen.events, level.starts, strict=True)]
+        anew = [{*own, *level.anew(j)} for j, own in enumerate(seen.events)]
         alarms += paper_records(statistics, first, rate, seen.regime, anew)
     estimates, std, now_error = _estimates(level, viscous, teller.grown, seen.series, usual, shift, statistics.end)
     estimates[BACKLASH] = 100 * np.expm1(backlash.residual)

@@ -58,6 +58,18 @@ class Evidence:
     std: np.ndarray
     shifts: np.ndarray
 
+    def at_most(self, other: Evidence, rows: np.ndarray) -> Evidence:
+        """Return it with what speaks for growth in windows `rows` (w,) bool no larger than that of another one."""
+        growth, step = (
+            np.where(rows, np.minimum(own, of), own)
+            for own, of in ((self.growth, other.growth), (self.step, other.step))
+        )
+        return replace(self, growth=growth, step=step)
+
+    def without_steps(self, rows: np.ndarray) -> Evidence:
+        """Return it with nothing that the last shifts less those before speak for in windows `rows` (w,) bool."""
+        return replace(self, step=np.where(rows, -np.inf, self.step))
+
     def with_falls(self, other: Evidence) -> Evidence:
         """Return it with the falls of another one, and the mean that these come from where they are the larger."""
         lower = other.fall > self.growth

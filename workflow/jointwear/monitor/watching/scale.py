@@ -66,7 +66,7 @@ def scale_series(sums: Sums, pooled: np.ndarray) -> Series:
 
 
 def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, baseline: np.ndarray) -> list[ScaleStep]:
-    """Return the first alarm or proposed service of each axis that a step of its scale explains.
+    """Return the first alarm or fall of each axis that a step of its scale explains.
 
     Where the scale of two axes steps at once, or the friction of another axis by as much, a common cause (unit, supply,
     cabinet) is likely: axes whose own scale says nothing against the same factor take it over.
@@ -81,7 +81,8 @@ def scale_steps(level: Watch, plain: Watch, scale: Watch, shift: np.ndarray, bas
         if axis is None or scale.axes[j] is None:
             continue
         hits = [(int(k), 1.0) for k in np.flatnonzero(level.alarm[:, j])[:1]]
-        hits += [(s.window, -1.0) for s in level.starts[j] if s.proposed][:1]
+        fallen = [*(s.window for s in level.starts[j] if s.proposed), *(dip.window for dip in level.dips[j])]
+        hits += [(k, -1.0) for k in sorted(fallen)[:1]]
         for k, sign in sorted(hits):
             begin = k if sign < 0 else _begin(level, k, j, shift)
             # A changed scale lasts. The windows up to an alarm are few and of like conditions, whose error they share.

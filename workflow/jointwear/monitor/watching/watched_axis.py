@@ -36,13 +36,15 @@ class Start:
     """Window from which an axis is learnt anew; `proposed` by a fall, not told by the config; `kept`: the axis is as
     worn as before, so that its alarms stay open; `grown`: growth (log level) and its variance that go on over it, None
     where no alarm tells of any; `left`: growth (log level) that stood before it without an alarm and that the axis is
-    judged without from there on, None where there was rather none."""
+    judged without from there on, None where there was rather none; `doubtful`: proposed by a fall that the wander of
+    friction may be too, :mod:`.falls`."""
 
     window: int
     proposed: bool
     kept: bool = False
     grown: tuple[float, float] | None = None
     left: float | None = None
+    doubtful: bool = False
 
     @property
     def closes(self) -> bool:
@@ -199,6 +201,10 @@ class WatchedAxis:
         last[place] = segment
         return updated_between(dispersion, mean, own, last)[place]
 
+    def judged_residual(self, shared: np.ndarray) -> np.ndarray:
+        """Return the residual (w,) less what all axes share, NaN where a window is not judged."""
+        return np.where(self.judged, self.residual - shared, np.nan)
+
     def judge(self, shared: np.ndarray, extra: np.ndarray, loud: np.ndarray, own: float, calm: np.ndarray) -> Evidence:
         """Return the evidence of all windows; each segment stands for itself.
 
@@ -209,7 +215,7 @@ class WatchedAxis:
         it is at least for growth.
         calm : (w,) bool, where all axes together have moved too little for a finding: one shift may be a large step.
         """
-        residual = np.where(self.judged, self.residual - shared, np.nan)
+        residual = self.judged_residual(shared)
         windows = AxisWindows(
             value=np.where(self.judged, self.normal.series_value - shared, np.nan),
             variance=self.normal.noise,

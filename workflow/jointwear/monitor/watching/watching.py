@@ -16,13 +16,21 @@ from jointwear.monitor.normal.shifts import running_sums, shift_starts
 from jointwear.monitor.reading.after_baseline import after_baseline, before_baseline
 from jointwear.monitor.watching.asked import Anew, Asked, Period
 from jointwear.monitor.watching.decision import Evidence
+from jointwear.monitor.watching.falls import (
+    CLEAR_RATE,
+    FALL_RATE,
+    Dip,
+    after_dips,
+    doubted,
+    gone_again,
+    proposed,
+    with_service,
+)
 from jointwear.monitor.watching.growth_so_far import shrunk, stands_out
 from jointwear.monitor.watching.null_runs import Axis, null_thresholds
 from jointwear.monitor.watching.shared_error import FINDING, SharedError, shared_error
 from jointwear.monitor.watching.watched_axis import Common, Start, WatchedAxis
 
-#: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
-FALL_RATE = 0.5
 #: Windows of a shift, and standard deviation of the normal state [log], where the baseline does not say.
 _USUAL_WINDOWS, _USUAL_NORMAL = 8.0, 0.01
 #: Fields of :class:`Watch` that are arrays of windows.
@@ -40,7 +48,8 @@ class Watch:
     part of its variance that windows do not share; `growth`, `fall`, `mean`, `mean_std`, `shifts` of
     :class:`~.decision.Evidence`; `alarm`: bool; `learning`, `unseen`: why a window is not judged.
     `threshold`, `step_threshold` (n,), of `growth` and of `step`, the last shifts less those before;
-    `starts`: per axis; `axes`: normal states, None where the `baseline` (w,) shows too little.
+    `starts`: per axis; `axes`: normal states, None where the `baseline` (w,) shows too little; `dips`: per axis, falls
+    that have gone again and changed nothing.
     """
 
     residual: np.ndarray
@@ -61,6 +70,11 @@ class Watch:
     axes: list[AxisNormal | None]
     baseline: np.ndarray
     starts: list[list[Start]] = field(default_factory=list)
+    dips: list[list[Dip]] = field(default_factory=list)
+
+    def anew(self, axis: int) -> list[int]:
+        """Return the windows at which the level of a 0-based axis is another: its starts, and both ends of a dip."""
+        return [*(s.window for s in self.starts[axis]), *(k for d in self.dips[axis] for k in (d.window, d.back))]
 
     def until(self, stop: int) -> Watch:
         """Return it as if windows from `stop` on were not there.
@@ -73,6 +87,7 @@ class Watch:
             **{name: getattr(self, name)[:stop] for name in _OF_WINDOWS},
             shared=self.shared.until(stop),
             starts=[[s for s in own if s.window < stop] for own in self.starts],
+            dips=[[dip for dip in own if dip.back < stop] for own in self.dips],
         )
 
 
@@ -88,11 +103,10 @@ def watch(
     """
     baseline, shift = period.baseline, period.shift
     starts = (anew or Anew()).starts(len(axes))
-    fall_rate = FALL_RATE / 1000 * period.conditions.hours
-    limits = _limits(axes, shift, baseline, asked.rate, fall_rate, recall or Recall())
+    limits = _limits(axes, period, asked.rate, recall or Recall())
     if not asked.services:
         limits = replace(limits, fall=np.full(len(axes), np.inf))
-    states, beside, evidence = _settled(axes, starts, limits, period, asked)
+    states, beside, evidence, dips = _settled(axes, starts, limits, period, asked)
     shape = (len(shift), len(axes))
     nothing = {"growth": -np.inf, "fall": -np.inf, "step": -np.inf, "mean": np.nan, "std": np.nan, "shifts": 0}
     told = {
@@ -115,6 +129,7 @@ def watch(
         axes=axes,
         baseline=baseline,
         starts=starts,
+        dips=dips,
         **told,
         **seen,
     )
@@ -122,50 +137,66 @@ def watch(
 
 def _settled(
     axes: Sequence[AxisNormal | None], starts: list[list[Start]], limits: _Limits, period: Period, asked: Asked
-) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence]]:
-    """Return the axes that are judged, what they tell of each other and their evidence, once no more falls propose a
-    service; those that are found are added to `starts`, and what has grown goes on over those that are kept, or is told
-    with them.
+) -> tuple[dict[int, WatchedAxis], _Beside, dict[int, Evidence], list[list[Dip]]]:
+    """Return the axes that are judged, what they tell of each other, their evidence and the falls that have gone again,
+    once no more falls propose a service; those that are found are added to `starts`, and what has grown goes on over
+    those that are kept, or is told with them.
 
     Parameters
     ----------
     limits : of the evidence, that of falls infinite where none proposes a service. period, asked : as of :func:`watch`.
     """
     baseline, shift = period.baseline, period.shift
+    dips: list[list[Dip]] = [[] for _ in axes]
 
-    def held(axis: int, shared: Common | None = None) -> WatchedAxis:
-        return WatchedAxis(axes[axis], baseline, shift, starts[axis], asked.least, asked.coarsest, shared, asked.common)
+    def held(axis: int, own: Sequence[Start], shared: Common | None = None) -> WatchedAxis:
+        return WatchedAxis(axes[axis], baseline, shift, own, asked.least, asked.coarsest, shared, asked.common)
 
     states: dict[int, WatchedAxis] = {}
     after = after_baseline(baseline)
     again = [j for j, axis in enumerate(axes) if axis is not None]
     # Services change what comes after them: found one after the other, until none is left. Each begins with a shift of
-    # its own; the last turn looks for none, so that what is returned holds with all starts.
-    for left in reversed(range(1 + len(np.unique(shift)))):
-        states |= {j: held(j) for j in again}
+    # its own, and goes again in one; the last turn looks for none, so that what is returned holds with all starts.
+    for left in reversed(range(1 + 2 * len(np.unique(shift)))):
+        states |= {j: held(j, starts[j]) for j in again}
         beside = _beside(states, len(axes), period, asked)
         anew = [j for j in states if starts[j]]
         if asked.common and anew:
             # Of what all axes had in common while one was learnt anew the others tell, and it changes little of that.
-            states |= {j: held(j, beside.common(j)) for j in anew}
+            states |= {j: held(j, starts[j], beside.common(j)) for j in anew}
             beside = _beside(states, len(axes), period, asked)
         evidence = {j: state.judge(*beside.of(j)) for j, state in states.items()}
         again = []
-        for j in states if left else ():
-            service = _service(evidence[j], limits.fall[j], shift, baseline)
-            if service is not None and (later := _with_service(starts[j], *service)) is not None:
-                starts[j] = later
-                again.append(j)
-                continue
+        for j in states:
+            # Growth after a fall that may be wander counts as far as it would without the fall.
+            doubt = doubted(starts[j], len(shift))
+            certain = [s for s in starts[j] if not s.doubtful]
+            without = held(j, certain, beside.common(j) if asked.common and certain else None) if doubt.any() else None
+            if left:
+                service = proposed(evidence[j], limits.fall[j], limits.clear[j], shift, baseline, dips[j])
+                if service is not None and (later := with_service(starts[j], *service)) is not None:
+                    starts[j] = later
+                    again.append(j)
+                    continue
+                if without is not None:
+                    stay, gone = gone_again(starts[j], without.judged_residual(beside.of(j)[0]), shift)
+                    if gone:
+                        starts[j], dips[j] = stay, sorted([*dips[j], *gone], key=lambda dip: dip.window)
+                        again.append(j)
+                        continue
+            if without is not None:
+                evidence[j] = evidence[j].at_most(without.judge(*beside.of(j)), doubt)
+            if dips[j]:
+                evidence[j] = evidence[j].without_steps(after_dips(dips[j], shift))
             alarm = _alarms(evidence[j].growth, evidence[j].step, limits.level[j], limits.step[j]) & after
-            if (grown := _with_growth(starts[j], states[j], alarm, *beside.of(j)[:2])) is not None:
+            if left and (grown := _with_growth(starts[j], states[j], alarm, *beside.of(j)[:2])) is not None:
                 starts[j] = grown
                 again.append(j)
         if not again:
             break
     for j, state in states.items():
         starts[j] = _with_left(starts[j], state, *beside.of(j)[:2])
-    return states, beside, evidence
+    return states, beside, evidence, dips
 
 
 def _columns(of_axes: dict[int, np.ndarray], shape: tuple[int, int], nothing: float) -> np.ndarray:
@@ -178,28 +209,25 @@ def _columns(of_axes: dict[int, np.ndarray], shape: tuple[int, int], nothing: fl
 
 @dataclass(frozen=True)
 class _Limits:
-    """Thresholds (n,) of the evidence of each axis; infinite where it is not judged."""
+    """Thresholds (n,) of the evidence of each axis; infinite where it is not judged. `clear`: of a fall that is rather
+    a service than wander."""
 
     level: np.ndarray
     step: np.ndarray
     fall: np.ndarray
+    clear: np.ndarray
 
 
-def _limits(
-    axes: Sequence[AxisNormal | None],
-    shift: np.ndarray,
-    baseline: np.ndarray,
-    rate: float,
-    fall_rate: float,
-    recall: Recall,
-) -> _Limits:
-    """Return the thresholds for a rate of false alarms and one of falls, a window and all axes together."""
-    limits = _Limits(*(np.full(len(axes), np.inf) for _ in range(3)))
+def _limits(axes: Sequence[AxisNormal | None], period: Period, rate: float, recall: Recall) -> _Limits:
+    """Return the thresholds for a rate of false alarms, a window and all axes together, and for falls."""
+    limits = _Limits(*(np.full(len(axes), np.inf) for _ in range(4)))
+    fall_rate, clear_rate = (per_1000_h / 1000 * period.conditions.hours for per_1000_h in (FALL_RATE, CLEAR_RATE))
     judged = {j: axis for j, axis in enumerate(axes) if axis is not None}
     for j, axis in judged.items():
-        null = _null_of(axis, shift, baseline)
+        null = _null_of(axis, period.shift, period.baseline)
         limits.level[j], limits.step[j] = _thresholds(null, rate / len(judged), recall)
         limits.fall[j] = _thresholds(null, fall_rate / len(judged), recall)[0]
+        limits.clear[j] = _thresholds(null, clear_rate / len(judged), recall)[0]
     return limits
 
 
@@ -258,29 +286,6 @@ def _beside(states: dict[int, WatchedAxis], n: int, period: Period, asked: Asked
     own = own_scale(apart, variance, noise, memory, shift, baseline)
     extra = shared.variance + besides
     return _Beside(shared, raw, noise, variance, extra, loud, own, _calm(shared.common, shift))
-
-
-def _service(evidence: Evidence, least: float, shift: np.ndarray, baseline: np.ndarray) -> tuple[int, int] | None:
-    """Return the first window after the baseline whose fall exceeds `least`, and the one at which it begins.
-
-    Nobody has to hurry for a fall: a shift tells of it by all its windows, of the running one those so far.
-    """
-    after, judged = after_baseline(baseline), np.isfinite(evidence.std)
-    rows = np.flatnonzero(judged)
-    ends = rows[np.append(np.diff(shift[rows]) != 0, True)] if len(rows) else rows
-    hits = ends[(evidence.fall > least)[ends] & after[ends]]
-    if not len(hits):
-        return None
-    begin = _begin_of_change(hits[0], int(evidence.shifts[hits[0]]), shift, judged)
-    return int(hits[0]), max(begin, int(np.argmax(after)))
-
-
-def _with_service(starts: Sequence[Start], hit: int, begin: int) -> list[Start] | None:
-    """Return the starts of an axis with a service from the window `begin` that shows at `hit`; None if it has one."""
-    kept = [s for s in starts if s.window <= hit]
-    if kept and kept[-1].window >= begin:
-        return None
-    return [*kept, Start(begin, True), *(replace(s, grown=None) for s in starts if s.window > hit)]
 
 
 def _alarms(growth: np.ndarray, step: np.ndarray, level: np.ndarray | float, least: np.ndarray | float) -> np.ndarray:
@@ -375,10 +380,3 @@ def _null_of(axis: AxisNormal, shift: np.ndarray, baseline: np.ndarray) -> Axis:
 def _thresholds(null: Axis, rate: float, recall: Recall) -> list[float]:
     """Return the thresholds of one axis, of level and steps, for a rate of false alarms a window."""
     return recall(key_of("thresholds", null, rate), lambda: [list(null_thresholds(null, rate))])[0]
-
-
-def _begin_of_change(window: int, shifts: int, shift: np.ndarray, judged: np.ndarray) -> int:
-    """Return the first window of the shifts that the evidence at `window` rests on, of those that are `judged` (w,)."""
-    names = np.unique(shift[judged])
-    place = int(np.searchsorted(names, shift[window]))
-    return int(np.argmax(shift == names[max(place - max(shifts, 1) + 1, 0)]))
