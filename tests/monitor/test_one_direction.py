@@ -1,10 +1,12 @@
 """Friction that grows in one direction alone, on axes that carry gravity, is no load and is told at its size."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from monitor_windows import COULOMB, SETTINGS, motion, residuals, statistics_of
 
-from jointwear.monitor.findings.offsets import OFFSET
+from jointwear.monitor.findings.offsets import OFFSET, offset_findings
 from jointwear.monitor.judging.judge import judge
 
 WINDOWS, BASELINE, MEAN = 264, 120, 20.0
@@ -80,3 +82,35 @@ def test_an_offset_of_one_axis_is_told_while_it_lasts(offset, size):
 @pytest.mark.parametrize(("axes", "offset", "hours"), [([0], 0.05, 96), ([0], 0.5, 16), ([0, 1], 0.5, 96)])
 def test_small_or_short_offsets_and_those_of_several_axes_are_not_told(axes, offset, hours):
     assert offsets(axes, offset, hours) == []
+
+
+def told_of(first: float, second: float, grown: float = 0.0, alone: int = 0) -> list[dict]:
+    """Findings on the first of two axes that is off by `first` and `second` of its friction in two programs, while it
+    grows by `grown`, over six days after six of the baseline; the last `alone` days run the first program alone."""
+    days, per = 12, 8
+    shift = np.repeat(np.arange(days), per)
+    program = np.where((np.arange(days * per) % 2 == 1) & (shift < days - alone), 1, 0)
+    after = shift >= 6
+    offset = 0.01 * np.random.default_rng(4).standard_normal((days * per, 2))
+    offset[after, 0] += np.where(program == 0, first, second)[after]
+    growth = np.where(after[:, None], [grown, 0.0], 0.0)
+    start = 3600.0 * np.arange(days * per)
+    statistics = SimpleNamespace(windows=days * per, axes=2, start=start, end=start + 3600.0)
+    size = np.array([5.0, 5.0])
+    return offset_findings(statistics, size * offset, size, program, shift, ~after, [[], []], growth)
+
+
+def test_a_zero_is_off_in_every_program_alike():
+    """Grown friction, which gravity that hardly varies cannot be told from in a program, was told as a zero."""
+    (found,) = told_of(-0.16, -0.12)
+    assert "The torque of axis 1 is off by −0.6 N m" in found["words"]
+    assert not told_of(-0.16, -0.01)
+    assert not told_of(-0.16, 0.16)
+    # A program that ran shortly before tells too; once there is but one, that one does.
+    assert not told_of(-0.16, 0.0, alone=3)
+    assert told_of(-0.16, 0.0, alone=5)
+
+
+def test_an_offset_that_is_less_than_what_friction_grew_by_may_be_of_it():
+    assert not told_of(-0.16, -0.16, grown=0.3)
+    assert told_of(-0.16, -0.16, grown=0.1)

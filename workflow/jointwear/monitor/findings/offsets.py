@@ -3,6 +3,11 @@
 It is neither friction in the mean of both directions nor a load, which shows on several axes: a torque sensor whose
 zero drifts, or friction that grows in one direction of motion more than in the other. The judgement counts no part of
 it, so that it has to be told.
+
+A zero is off in every program alike. Friction is not: what the model of friction lacks (presliding, other friction
+under load, other speeds one way than back) grows with it, and where gravity hardly varies that is told as a constant,
+another one in each program. So programs have to agree, and beside friction that grows an offset has to be the larger of
+the two: no growth of friction, nor one in a single direction, is off by more than it grows.
 """
 
 from __future__ import annotations
@@ -44,6 +49,7 @@ def offset_findings(
     shift: np.ndarray,
     baseline: np.ndarray,
     events: Sequence[Sequence[int]],
+    growth: np.ndarray | None = None,
 ) -> list[dict[str, Any]]:
     """Return one finding for each spell of shifts after the baseline in which one axis alone has another offset.
 
@@ -52,9 +58,11 @@ def offset_findings(
     offset : (w, n) constant torque [N m], NaN unknown. friction : (n,) at the usual speed in the baseline [N m].
     regime : (w,) program of each window, -1 unknown, or None for one. shift : (w,) labels. baseline : (w,) bool.
     events : for each axis the windows of the events that a user entered; one after the begin answers it.
+    growth : (w, n) of friction, as a share, NaN where not judged, default none.
     """
+    program = programs_or_one(regime, statistics.windows)
     size = np.where(friction > 0, friction, np.nan)
-    change = beyond_usual(offset / size, programs_or_one(regime, statistics.windows), baseline)
+    change = beyond_usual(offset / size, program, baseline)
     early = [_middle(change[(shift == s) & baseline]) for s in np.unique(shift[baseline])]
     after = after_baseline(baseline)
     rows = [np.flatnonzero((shift == s) & after) for s in np.unique(shift[after])]
@@ -64,19 +72,41 @@ def offset_findings(
     with np.errstate(invalid="ignore"):
         limit = np.maximum(LEAST, TIMES * np.fmax.reduce(usual, axis=0))
     limit[np.isfinite(usual).sum(axis=0) < FEWEST_SHIFTS] = np.nan
-    over = np.array([_middle(change[own]) for own in rows]) / limit
+    now = np.array([_agreed(change, program, rows[max(k - SHIFTS + 1, 0) : k + 1]) for k in range(len(rows))])
+    grown = np.zeros(now.shape) if growth is None else np.nan_to_num([_middle(growth[own]) for own in rows])
+    over = now / np.maximum(limit, grown)
     found = []
     for j in range(statistics.axes):
         others = np.nan_to_num(np.abs(np.delete(over, j, axis=1))).max(axis=1, initial=0.0)
         for sign in (1.0, -1.0):
             for part in spells((sign * np.nan_to_num(over[:, j]) > 1) & (others < ALONE), SHIFTS):
                 own = np.concatenate(rows[part])
-                share = float(_middle(change[rows[part][-1]])[j])
+                share = float(now[part][-1, j])
                 words = _WORDS.format(
                     axes=name_axes([j + 1]), size=number(share * size[j], 2), percent=number(100 * abs(share), 2)
                 )
                 found.append(spell_finding(statistics, own, [j + 1], OFFSET, words, [events[j]]))
     return found
+
+
+def _agreed(change: np.ndarray, program: np.ndarray, shifts: Sequence[np.ndarray]) -> np.ndarray:
+    """Return by how much each axis is off (n,) in the last of `shifts`, by the program of it that shows the least: none
+    where one of the programs that ran in these shifts shows the other sign, NaN where too few windows are known.
+
+    Parameters
+    ----------
+    change : (w, n). program : (w,). shifts : windows of the last shifts, the newest last.
+    """
+    newest, recent = shifts[-1], np.concatenate(shifts)
+    told = []
+    for name in np.unique(program[recent]):
+        value, before = (_middle(change[rows[program[rows] == name]]) for rows in (newest, recent))
+        told.append(np.where(np.isfinite(value), value, before))
+    every = np.array(told)
+    with np.errstate(all="ignore"):
+        least, most = np.fmin.reduce(every, axis=0), np.fmax.reduce(every, axis=0)
+        agreed = np.where(least > 0, least, np.where(most < 0, most, 0.0))
+    return np.where(np.isfinite(_middle(change[newest])), agreed, np.nan)
 
 
 def _middle(values: np.ndarray) -> np.ndarray:

@@ -213,6 +213,7 @@ def _findings(
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
     shown = None if seen.conditions.named else seen.regime
     program, doubtful = seen.regime, None if logs is None else logs.doubtful
+    grown = np.expm1(level.residual)
     zero = changed_zero(statistics, program, shift, first, seen.events, doubtful)
     return [
         *findings_of(
@@ -230,7 +231,7 @@ def _findings(
         *zero_finding(statistics, zero),
         *odd_motion_findings(statistics, seen.regime, shift, first, seen.events),
         *driving_findings(statistics, seen.series["friction"].driving, shift),
-        *offset_findings(statistics, seen.offset, _usual_friction(seen), seen.regime, shift, first, seen.events),
+        *offset_findings(statistics, seen.offset, _usual_friction(seen), seen.regime, shift, first, seen.events, grown),
     ]
 
 
