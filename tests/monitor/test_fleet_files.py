@@ -13,9 +13,11 @@ from prometheus_client.parser import text_string_to_metric_families
 from jointwear.files.errors import InputError
 from jointwear.monitor.fleet.history import ESTIMATES, join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
+from jointwear.monitor.fleet.page import robot_item
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
+from jointwear.monitor.local_time import zone_of
 from jointwear.monitor.presentation.condition import CHANGED, UNJUDGED, UNRESOLVED
 
 
@@ -52,6 +54,27 @@ def test_the_table_says_what_asks_for_an_entry_under_events():
     assert cells["urgency"] == "needs an entry under events"
     assert cells["what_to_check"].startswith("Enter what was done to it")
     assert words in cells["what_to_check"]
+
+
+@pytest.mark.parametrize(
+    ("more", "urgency", "first"),
+    [
+        ({}, UNJUDGED, ""),
+        ({"last_sample": NOW - 5 * DAY}, "stale", ""),
+        ({"refused_newest": 1, "refused_logs": 1, "refusals": ["b.csv: is empty"]}, "refused", "Mend what refuses"),
+    ],
+)
+def test_a_key_of_the_baseline_that_keeps_a_robot_from_being_judged_is_told_whatever_else_is_wrong(
+    more, urgency, first
+):
+    key = "Set 'baseline.from' to a time between the first window and the newest"
+    found = {"time": NOW - DAY, "axes": [], "kind": "baseline", "words": "Later than the newest log.", "advice": key}
+    row = as_of(robot("x", axis(1, UNJUDGED), findings=[found], **more), NOW)
+    cells = table_row(row)
+    assert cells["urgency"] == urgency
+    assert cells["what_to_check"].startswith(first)
+    assert cells["what_to_check"].endswith(key)
+    assert key[1:] in robot_item(row, zone_of(None), "robots")["check"]
 
 
 def test_metrics_are_what_prometheus_reads(built_fleet):

@@ -55,10 +55,14 @@ SHOWN = 3
 def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any]:
     """Return what the page says of one robot; `link` leads to the folder of its files."""
     axes = [todo(row, axis, zone) for axis in row["axes"] if axis["check"]]
-    check = _advice(row) or CHECKS.get(row["urgency"], "")
+    advice, check = _advice(row), CHECKS.get(row["urgency"], "")
+    if advice and row["urgency"] == UNJUDGED:
+        # It says what ends that; to let the robot move would not.
+        advice, check = "", advice
     if check and row["urgency"] in (REFUSED, UNJUDGED):
         known = None if row["last_judged"] is None else log_time(row["last_judged"], zone, row["dated"])
         check += ": nothing is known of this robot" + (f" since {known}" if known else "")
+    check = "; ".join(filter(None, (check, advice[:1].lower() + advice[1:] if check else advice)))
     if axes and row["urgency"] != REFUSED:
         check = ""
     coarse = {axis for f in row["findings"] if f["kind"] == COARSE for axis in f["axes"]}
@@ -90,17 +94,19 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
 
 def what_to_do(row: Mapping[str, Any], zone: tzinfo) -> str:
     """Return in one line what to do on a robot that is refused, asks for an entry under events or waits for a baseline:
-    what mends its logs, the finding that asks, or the key to set; else empty."""
+    what mends its logs, the finding that asks, and the key to set; else empty."""
+    parts = []
     if row["urgency"] == REFUSED:
-        return "; ".join(_mends(row)) or f"{CHECKS[REFUSED]}: see 'reason'"
-    if row["urgency"] == ASKS:
-        return "; ".join([CHECKS[ASKS], *[*_over(row), *(words for words, _ in _to_check(row, zone))][:1]])
-    return _advice(row)
+        parts = _mends(row) or [f"{CHECKS[REFUSED]}: see 'reason'"]
+    elif row["urgency"] == ASKS:
+        parts = [CHECKS[ASKS], *[*_over(row), *(words for words, _ in _to_check(row, zone))][:1]]
+    return "; ".join(filter(None, (*parts, _advice(row))))
 
 
 def _advice(row: Mapping[str, Any]) -> str:
-    """Return what ends that a robot cannot be judged, where a finding says it; else empty."""
-    return next((f["advice"] for f in row["findings"] if f.get("advice")), "") if row["urgency"] == UNJUDGED else ""
+    """Return what ends that a robot cannot be judged, where a finding says it; else empty. It holds whatever else is
+    wrong: a robot that waits for its baseline may be silent, too."""
+    return next((f["advice"] for f in row["findings"] if f.get("advice")), "")
 
 
 def _mends(row: Mapping[str, Any]) -> list[str]:
