@@ -286,8 +286,10 @@ def test_what_comes_and_goes_takes_one_line_on_the_page_of_the_robot():
     lasting = [
         {"time": NOW - k * DAY, "axes": [2], "kind": "zero", "words": "Joint 2 counts otherwise."} for k in (2, 4)
     ]
-    rows = finding_rows({"findings": [*product, *lasting]}, SimpleNamespace(dated=True, short=False), zone_of(None))
+    dates = SimpleNamespace(dated=True, short=False)
+    rows = finding_rows({"findings": [*product, *lasting], "last_sample": NOW}, dates, zone_of(None))
     assert [r["words"] for r in rows] == ["Axis 4. It was so 2 times before."] + 2 * ["Joint 2 counts otherwise."]
     assert [r["asks"] for r in rows] == [False, True, True]
-    once = finding_rows({"findings": product[:2]}, SimpleNamespace(dated=True, short=False), zone_of(None))
+    assert [r["urgent"] for r in rows] == [False, True, True]
+    once = finding_rows({"findings": product[:2], "last_sample": NOW}, dates, zone_of(None))
     assert [r["words"] for r in once] == ["Axis 4. It was so once before."]

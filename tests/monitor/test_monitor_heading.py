@@ -241,6 +241,45 @@ def test_an_axis_that_is_no_longer_judged_is_not_told_as_unchanged(monitored):
     ]
 
 
+def test_an_axis_that_was_healthy_when_last_judged_is_told_as_of_then(monitored, tmp_path):
+    """Healthy with a tick stood beside a torque that was frozen for the last hours."""
+    folder, _, _ = monitored
+    state = replace(read_state(folder / "state.nc"), alarms=[], findings=[])
+    status = np.full_like(state.status, HEALTHY)
+    status[-6:, 0] = status[-1:, 1] = UNJUDGED
+    state = replace(state, status=status)
+    told = [axis_summary(state, j) for j in range(3)]
+    assert [s["status"] for s in told] == 3 * [HEALTHY]
+    assert [s["badge"] for s in told] == ["other", "agrees", "agrees"]
+    assert [s["held"].partition(",")[0] for s in told] == ["when last judged", "when last judged", ""]
+    assert [bool(s["remark"]) for s in told] == [True, True, False]
+    write_page(state, tmp_path / "page.html", tmp_path / "figures")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert page.count(told[0]["held"]) == 2  # on its card and in the table
+
+
+def test_what_makes_a_robot_urgent_stands_under_what_to_check_first_on_its_page_too(monitored, tmp_path):
+    folder, _, _ = monitored
+    state = replace(read_state(folder / "state.nc"), alarms=[])
+    status = np.full_like(state.status, HEALTHY)
+    frozen = {"time": float(state.start[-6]), "end": float(state.end[-1]), "axes": [1], "kind": "frozen"}
+    over = {**frozen, "end": float(state.end[-4]), "words": "It kept one value."}
+    found = [{**frozen, "words": "The torque of axis 1 keeps one value."}, {**over, "kind": "shared"}]
+    for findings, urgent in ((found, True), ([over], False), (found[1:], False)):
+        robot = replace(state, status=status, findings=findings)
+        write_page(robot, tmp_path / "page.html", tmp_path / "figures")
+        page = (tmp_path / "page.html").read_text(encoding="utf-8")
+        # As the fleet has it.
+        row = {**NOTHING, **standing(robot), "robot": "a", "folder": "a", "result": "judged", "rhythm_hours": 1.0}
+        asks = as_of(row, float(state.end[-1]))["urgency"] == "needs an entry under events"
+        assert asks == urgent
+        assert ("<h1>The logs show something that has to be explained" in page) == urgent
+        assert ("<h1>No change of friction found" in page) != urgent
+        first = page.partition("What to check first")[2].partition("</ol>")[0]
+        assert ("The torque of axis 1 keeps one value." in first) == urgent
+        assert "What else was found" not in first
+
+
 def test_the_table_says_of_which_axes_play_cannot_be_judged(monitored):
     folder, _, _ = monitored
     state = read_state(folder / "state.nc")

@@ -60,11 +60,14 @@ def test_the_page_says_what_an_engineer_needs(monitored):
 def test_what_asks_for_an_answer_is_not_folded_away(monitored, tmp_path):
     folder, _, _ = monitored
     state = read_state(folder / "state.nc")
-    programs = [{"time": state.end[-1 - k], "axes": [], "kind": "clock_speed", "words": f"Told {k}."} for k in range(7)]
+    programs = [{"time": state.end[-1 - k], "axes": [], "kind": "program", "words": f"Told {k}."} for k in range(7)]
     asked = {"time": state.end[0], "axes": [2], "kind": "scale", "words": "The scale changed."}
     write_page(replace(state, findings=[*programs, asked]), tmp_path / "page.html", tmp_path / "figures")
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert text.index("Told 4.") < text.index("The scale changed.") < text.index("2 older") < text.index("Told 5.")
+    first = text.index("What to check first")
+    assert (
+        first < text.index("The scale changed.") < text.index("Told 4.") < text.index("2 older") < text.index("Told 5.")
+    )
 
 
 def test_a_reason_of_another_version_is_no_failure(monitored):

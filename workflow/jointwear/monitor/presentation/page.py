@@ -37,7 +37,7 @@ from jointwear.monitor.presentation.summaries import (
     why_unjudged,
 )
 from jointwear.monitor.presentation.temperature import temperature_share
-from jointwear.monitor.presentation.to_answer import asks_for_answer
+from jointwear.monitor.presentation.to_answer import asks_for_answer, lasts, to_do
 from jointwear.monitor.presentation.words import row_words, sure_percent, sure_words, todo
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.present import NOW, now_windows
@@ -93,7 +93,8 @@ def story(state: RobotState, episode: Episode, zone: tzinfo, check: str = "") ->
 
 def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[dict[str, Any]]:
     """Return what else was found, the newest first; of what is over and came again in the same words the newest alone,
-    with how often it was so before. `asks`: somebody has to answer it."""
+    with how often it was so before. `asks`: somebody has to answer it; `urgent`: it makes the robot one to look at in a
+    fleet, and what mends more comes first by `place`."""
     alike: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for found in sorted(told_together(row["findings"]), key=lambda f: -(f.get("time") or 0.0)):
         key = (found["kind"], found["words"]) if found.get("end") is not None else (id(found),)
@@ -104,6 +105,8 @@ def finding_rows(row: dict[str, Any], state: RobotState, zone: tzinfo) -> list[d
             "axes": name_axes(f.get("axes") or ()),
             "words": f"{with_local_times(f['words'], zone)}{before_words(len(before))}",
             "asks": asks_for_answer(f) or (f["kind"] == EARLY_EVENT and not f.get("answered")),
+            "urgent": not f.get("answered") and (asks_for_answer(f) or lasts(f, row)),
+            "place": to_do(f),
         }
         for f, *before in alike.values()
     ]
@@ -223,10 +226,14 @@ def write_page(
     newest, open_ones = last_judged(state), any(e.resolved is None for e in whole)
     learnt = newest is not None and not state.after[newest]
     turned = any(np.isfinite(c.turned) for c in conditions)
-    heading, sentences = headline(summaries, open_ones, row["refused_newest"], since, learnt, turned)
+    told = finding_rows(row, state, zone)
+    urgent = sorted((f for f in told if f["urgent"]), key=lambda f: f["place"])
+    told = [f for f in told if not f["urgent"]]
+    heading, sentences = headline(
+        summaries, open_ones, row["refused_newest"], since, learnt, turned, asked=bool(urgent)
+    )
     unresolved = [e for c in conditions for e in c.episodes] + [e for e in whole if e.resolved is None]
     past = [e for c in conditions for e in c.past] + [e for e in whole if e.resolved is not None]
-    told = finding_rows(row, state, zone)
     context = {
         "state": state,
         "example": example,
@@ -234,6 +241,8 @@ def write_page(
         "lead": sentences,
         "todo": [todo(row, axis, zone) for axis in row["axes"] if axis["check"]],
         "whole": [story(state, e, zone) for e in whole if e.resolved is None],
+        "urgent": urgent,
+        "over": [{"axis": axis["axis"], "words": axis["over"]} for axis in row["axes"] if axis["over"]],
         "findings": [f for k, f in enumerate(told) if k < SHOWN or f["asks"]],
         "older": [f for k, f in enumerate(told) if k >= SHOWN and not f["asks"]],
         "summaries": summaries,

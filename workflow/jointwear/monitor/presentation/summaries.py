@@ -81,11 +81,13 @@ def axis_summary(
     remark = ""
     # Of an axis that was never judged the reason stands in the table of what cannot be judged.
     late = len(after) > 0 and bool(after[-1] < len(state.start) - FEWEST_NOW)
+    # What is carried over from an earlier window is told as of then.
+    held = len(after) > 0 and bool(after[-1] < len(state.start) - 1) and condition.level == HEALTHY
     before = grown_before(state, condition, zone)
     if before:
         unknown = "; no shift since tells what is normal now" if condition.level == UNJUDGED else ""
         remark = f"{before}{unknown}"
-    elif late:
+    elif late or held:
         last = int(after[-1])
         remark = f"last judged {when(state, state.end[last], zone)}; since then: {why_unjudged(state, j, last + 1)}"
     elif condition.loud:
@@ -104,7 +106,8 @@ def axis_summary(
         "status": condition.level,
         "quantity": _quantity(condition),
         "label": above or (REACHED if condition.reached else condition.level),
-        "badge": "close" if above else BADGES[condition.level],
+        "held": f"when last judged, {when(state, state.end[int(after[-1])], zone)}" if held else "",
+        "badge": "close" if above else BADGES[UNJUDGED if held and late else condition.level],
         "remark": remark,
         "estimates": [_latest(state, name, j, bool(before)) for name in shown_estimates(state)],
         "unknown": [] if before else _unknown(state, j),
@@ -204,6 +207,7 @@ def headline(
     since: str = "",
     learnt: bool = False,
     turned: bool = False,
+    asked: bool = False,
 ) -> tuple[str, list[str]]:
     """Return the heading of the page and the sentences below it.
 
@@ -211,7 +215,7 @@ def headline(
     ----------
     whole_robot : an alarm concerns all axes. refused : logs that are refused since any axis was judged last, `since`.
         learnt : no axis was judged but in the normal period. turned : a joint counts from another zero, which nobody
-        has answered.
+        has answered. asked : a finding has to be explained or mended, and makes the robot urgent in a fleet.
     """
 
     def named(status: str) -> str:
@@ -239,12 +243,14 @@ def headline(
         heading = "The newest logs are refused"
     elif over:
         heading = f"Over the limit without an alarm: {over}"
-    elif higher:
-        heading = f"Friction is higher, without an alarm: {higher}"
     elif uneven:
         heading = f"Torque has grown uneven: {uneven}"
     elif healthy and turned:
         heading = "Friction is not known before the zero of a joint is settled"
+    elif asked:
+        heading = "The logs show something that has to be explained"
+    elif higher:
+        heading = f"Friction is higher, without an alarm: {higher}"
     elif healthy:
         heading = "No change of friction found" + (" where it can be judged" if unjudged or coarse else "")
     else:
@@ -262,7 +268,7 @@ def headline(
             "config says what was done."
         )
     if over:
-        sentences.append(f"Over the limit without an alarm: {over}; what to check stands below the table.")
+        sentences.append(f"Over the limit without an alarm: {over}; what to check stands above.")
     if higher:
         sentences.append(f"Higher without an alarm: {higher}; by how much stands below the table.")
     if judged:
