@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,8 @@ PAGES = sorted(p.relative_to(ROOT / "docs") for p in [ROOT / "docs/tutorial.md",
 FURTHER = ("Makefile", "requirements", "pyproject.toml", "README.md", "LICENSE", "CITATION.cff", "docs")
 # What the executors say they need; pages that name them run inside.
 CLUSTER_PAGE = Path("howto/cluster.md")
+# The page whose commands are called in a folder of the reader's own, and what it has in place of that of the checkout.
+OWN_FOLDER_PAGE, CHECKOUT = Path("howto/own_folder.md"), "/path/to/jointwear"
 
 
 def lend_environment(folder: Path) -> None:
@@ -98,8 +101,14 @@ def test_every_step_of_a_page_works(built, tmp_path, page):
     found = steps(ROOT / "docs" / page)
     assert found
     with surroundings(page, folder) as environment:
-        for step in found:
-            run(step, folder, environment)
+        for number, step in enumerate(found):
+            if page == OWN_FOLDER_PAGE:
+                own = tmp_path / f"own_{number}"
+                own.mkdir()
+                assert CHECKOUT in step.text
+                run(replace(step, text=step.text.replace(CHECKOUT, str(folder))), own, environment)
+            else:
+                run(step, folder, environment)
 
 
 def test_files_of_the_project_that_documents_name_are_there():
