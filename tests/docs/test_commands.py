@@ -1,7 +1,10 @@
 """Every Snakemake command that a document shows, those too that no test runs: options and targets that there are."""
 
+import os
 import re
 import shlex
+import shutil
+import subprocess
 
 import pytest
 from scratch_project import ROOT
@@ -13,7 +16,7 @@ DOCUMENTS = [
 ]
 _CODE = re.compile(r"```.*?^```|(?<!`)`[^`]+`(?!`)", re.MULTILINE | re.DOTALL)
 _COMMAND = re.compile(
-    r"(?<![\w/.-])(?:\S*\.venv/bin/)?snakemake(?P<arguments>(?: +(?:'[^'\n]*'|\"[^\"\n]*\"|[^\s`#|)]+))*)"
+    r"(?<![\w/.-])(?:\S*\.venv/bin/)?snakemake(?P<arguments>(?: +(?:'[^'\n]*'|\"[^\"\n]*\"|[^\s`#|)>]+(?!>)))*)"
 )
 RULES = {
     name
@@ -43,6 +46,23 @@ def test_a_command_is_one_that_snakemake_takes(document, arguments):
 
 def test_the_commands_of_a_schedule_are_among_them():
     assert sum("howto/scheduled" in document for document, _ in commands()) >= 3
+
+
+@pytest.mark.skipif(not shutil.which("flock"), reason="needs flock of util-linux")
+def test_the_line_of_the_crontab_runs_as_its_user_and_prints_only_what_failed(tmp_path):
+    page = (ROOT / "docs/howto/scheduled.md").read_text()
+    (line,) = re.findall(r"^10 \* \* \* \*  (.*)$", page, re.MULTILINE)
+    (address,) = re.findall(r"^JOINTWEAR_\w+='.*'$", page, re.MULTILINE)
+    (tmp_path / "jointwear.env").write_text(f"{address}\n")
+    program = tmp_path / ".venv/bin/snakemake"
+    program.parent.mkdir(parents=True)
+    program.write_text('#!/bin/sh\necho "$JOINTWEAR_SHIFT"; exit $FAILED\n')
+    program.chmod(0o755)
+    line = line.replace("/srv/jointwear", shlex.quote(str(tmp_path)))
+    for failed, printed in (("0", ""), ("1", f"{address.partition('=')[2].strip(chr(39))}\n")):
+        environment = {"PATH": os.environ["PATH"], "FAILED": failed}
+        done = subprocess.run(["sh", "-c", line], env=environment, capture_output=True, text=True, check=False)
+        assert (done.stdout, done.stderr) == (printed, "")
 
 
 def test_the_targets_that_the_first_page_lists_are_there():
