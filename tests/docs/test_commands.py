@@ -65,6 +65,14 @@ def test_the_line_of_the_crontab_runs_as_its_user_and_prints_only_what_failed(tm
         assert (done.stdout, done.stderr) == (printed, "")
 
 
+def test_a_page_that_calls_snakemake_says_first_where_it_comes_from():
+    for page in sorted((ROOT / "docs/howto").glob("*.md")):
+        before, called, _ = page.read_text().partition("\nsnakemake ")
+        if called:
+            assert re.search(r"\bmake environment\b", before), page.name
+            assert re.search(r"\bsource \S*\.venv/bin/activate", before), page.name
+
+
 def test_the_targets_that_the_first_page_lists_are_there():
     table = (ROOT / "README.md").read_text().partition("## Further studies")[2].partition("## ")[0]
     listed = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
