@@ -18,8 +18,13 @@ NEWEST = 5
 
 
 @pytest.fixture(scope="module")
-def page(root):
-    return " ".join((root / "README.md").read_text().split())
+def text(root):
+    return (root / "README.md").read_text()
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return " ".join(text.split())
 
 
 def rows_of(root, record):
@@ -38,6 +43,21 @@ def percent(good, of):
     return f"{100 * good / of:.0f} %"
 
 
+def share_of(good, of):
+    return f"{percent(good, of)} of {of:,}"
+
+
+def as_table(*rows):
+    """Return rows of cells as the first page has them."""
+    head, *body = (f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join([head, "|---" * len(rows[0]) + "|", *body]) + "\n"
+
+
+def shown_table(text, corner):
+    """Return the table of a page whose first cell is `corner`, to compare with what the records give for it."""
+    return re.search(rf"^\| {re.escape(corner)} \|.*?\n(?!\|)", text, re.MULTILINE | re.DOTALL)[0]
+
+
 def over_fleets(counted):
     """Return false alarms, hours, and the rate with its interval over fleets, as they are written."""
     alarms, hours = zip(*counted, strict=True)
@@ -45,45 +65,58 @@ def over_fleets(counted):
     return str(sum(alarms)), f"{sum(hours):,}", f"{rate:.1f} ({ends['robots_low']:.1f} to {ends['robots_high']:.1f})"
 
 
-def test_fleets_of_other_makers(root, page):
+def test_fleets_of_other_makers(root, text):
     *fleets, total = rows_of(root, "fleets_of_other_makers.md")
     for fleet in fleets:
         # Which axis is first is asked of those that were found.
         assert share(fleet[6])[1] <= share(fleet[5])[0], fleet[0]
-    found, named = share(*(f[5] for f in fleets)), share(*(f[6] for f in fleets))
-    newest = int(re.match(r"\d+", fleets[-1][0])[0])
-    assert f"{newest} fleets" in page
-    counted = [(int(f[2]), int(f[3].replace(",", ""))) for f in fleets if f[2] and f[3]]
-    every, newest_five = (over_fleets(part) for part in (counted, counted[-NEWEST:]))
-    assert [total[k] for k in (2, 3, 4)] == list(every)
-    rate, interval = re.match(r"([\d.]+) \((.*)\)", every[2]).groups()
-    assert f"{rate} false alarms per 1,000 h (95 %, over fleets: {interval})" in page
-    count, hours, own = newest_five
-    assert f"on the newest five {own}" in page
-    told = " ".join((root / "docs/decisions/fleets_of_other_makers.md").read_text().split())
-    assert f"{count} false alarms in {hours} h, {own} per 1,000 h" in told
-    assert (
-        f"{percent(*found)} of {found[1]} worn axes found, of these {percent(*named)} with the right axis first" in page
+    counted = [f for f in fleets if f[2] and f[3]]
+    rates, found, named, hours = [], [], [], []
+    for part, with_hours in ((fleets, counted), (fleets[-NEWEST:], counted[-NEWEST:])):
+        rates.append(over_fleets([(int(f[2]), int(f[3].replace(",", ""))) for f in with_hours]))
+        found.append(share_of(*share(*(f[5] for f in part))))
+        named.append(share_of(*share(*(f[6] for f in part))))
+        medians = [int(h) for f in part for h in re.findall(r"\d+", f[7])]
+        hours.append(f"{min(medians)} to {max(medians)}")
+    assert [total[k] for k in (2, 3, 4)] == list(rates[0])
+    number = int(re.match(r"\d+", fleets[-1][0])[0])
+    assert shown_table(text, "`monitor`") == (
+        as_table(
+            ["`monitor`", f"all {number} fleets", "newest five"],
+            ["false alarms per 1,000 h, where 1 is stated (95 % interval over fleets)", *(r[2] for r in rates)],
+            ["worn axes found", *found],
+            ["right axis named first, of those found", *named],
+            ["hours from the onset of wear to the alarm: lowest and highest median of a fleet", *hours],
+        )
     )
-    hours = [int(h) for f in fleets for h in re.findall(r"\d+", f[7])]
-    assert f"{min(hours)} to {max(hours)} h after the wear began" in page
+    told = " ".join((root / "docs/decisions/fleets_of_other_makers.md").read_text().split())
+    count, in_hours, own = rates[1]
+    assert f"{count} false alarms in {in_hours} h, {own} per 1,000 h" in told
 
 
-def test_benches_of_other_makers(root, page):
+def test_benches_of_other_makers(root, text):
     *benches, total = rows_of(root, "outside_benches.md")
-    nothing, one, two, outside = (percent(*share(cell)) for cell in total[2:6])
-    assert f"{len(benches)} benches, {total[1]} data sets" in page
-    assert f"named on {one} with one and {two} with two" in page
-    assert f"of models that lack nothing {nothing} left without a name" in page
-    newest = [share(*(b[k] for b in benches[-NEWEST:])) for k in (3, 4, 2, 5)]
-    *first, last = (percent(*counts) for counts in newest)
-    own = f"on the newest five {', '.join(f.removesuffix(' %') for f in first)} and {last}"
-    assert f"of disturbances outside the library {outside}, {own}; {total[6]} written files worse" in page
+    newest = benches[-NEWEST:]
+    of_newest = [share(*(b[k] for b in newest)) for k in range(2, 6)]
+    few, sets = (sum(int(b[k].split()[0]) for b in newest) for k in (6, 1))
+    worse = [f"{k} worse in {of} data sets" for k, of in ((total[6], total[1]), (few, sets))]
+    (nothing, one, two, outside) = (
+        [share_of(*share(cell)), share_of(*own)] for cell, own in zip(total[2:6], of_newest, strict=True)
+    )
+    assert shown_table(text, "`discover`") == (
+        as_table(
+            ["`discover`", "right is", f"all {len(benches)} benches", "newest five"],
+            ["nothing hidden", "no effect named", *nothing],
+            ["one effect hidden", "exactly this one named", *one],
+            ["two effects hidden", "exactly these two named", *two],
+            ["a disturbance that the library lacks", "no effect named", *outside],
+            ["a written robot file", "never worse than the given one", *worse],
+        )
+    )
     told = " ".join((root / "docs/decisions/outside_benches.md").read_text().split())
-    one, two, nothing, outside = (f"{good} of {of}" for good, of in newest)
-    worse, sets = (sum(int(b[k].split()[0]) for b in benches[-NEWEST:]) for k in (6, 1))
+    nothing, one, two, outside = (f"{good} of {of}" for good, of in of_newest)
     assert (
-        f"nothing hidden {nothing}, one effect {one}, two {two}, outside {outside}, {worse or 'none'} of {sets}" in told
+        f"nothing hidden {nothing}, one effect {one}, two {two}, outside {outside}, {few or 'none'} of {sets}" in told
     )
 
 
