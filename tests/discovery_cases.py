@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery import Recording
-from jointwear.discovery.estimates.outcome import Named
-from jointwear.discovery.problem.candidates import Candidate, term_of
+from jointwear.discovery.estimates.outcome import Named, Outcome
+from jointwear.discovery.linear import Term
+from jointwear.discovery.problem.candidates import Candidate, raw_columns, term_of
 from jointwear.discovery.problem.whitening import White
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.robot import Robot
@@ -107,3 +108,25 @@ def trial_of(white: White, effect: str, axis: int, nonlinear: dict[str, float]) 
     """Return an effect of one axis as the gates are asked of it."""
     candidate = Candidate(effect, axis, None, nonlinear)
     return Named(candidate, term_of(white, candidate), None, 99.0)
+
+
+#: The 0-based axis on which a wave over the angle of the motor has a name.
+WAVING = 1
+
+
+def wave_named(white, effect, torque, order=0.5):
+    """Return an outcome in which a wave has a name, and the joint lacks a torque (N_train,) [N m]."""
+    one = Candidate(effect, WAVING, None, {"order": order, "held": 1.0})
+    columns = raw_columns(white, one)
+    term = Term(
+        effect, {WAVING: white.columns(WAVING, columns)}, np.full(2, 20.0), {WAVING: white.raw(WAVING, columns)}
+    )
+    extra = white.columns(WAVING, torque[:, None])[:, 0]
+    asked = replace(white, targets=[y + extra if a == WAVING else y for a, y in enumerate(white.targets)])
+    return Outcome(asked.problem, asked, asked.fit([term]), None, named=[Named(one, term, None, 99.0)])
+
+
+def wave_of(white, order=0.5):
+    """Return a wave (N_train,) [N m] over the angle of that joint's motor."""
+    state = white.problem.train_state
+    return 8.0 * np.sin(order * state.drive.gear_ratio[WAVING] * state.position[:, WAVING] + 0.4)
