@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointwear.monitor.reading.carried import LoadsOnMotion, _positive, find_load, near_switch, together, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, with_loads
+from jointwear.monitor.reading.load_groups import together
+from jointwear.monitor.reading.load_search import _positive, find_load, near_switch
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.robots.dynamics import Dynamics
 from jointwear.robots.flange import FlangeLoad

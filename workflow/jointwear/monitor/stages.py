@@ -37,6 +37,7 @@ from jointwear.monitor.reading.assembly import Piece, assemble
 from jointwear.monitor.reading.at_rest import without_noise_at_rest
 from jointwear.monitor.reading.logs_of_windows import logs_of_windows
 from jointwear.monitor.reading.piece_files import read_pieces
+from jointwear.monitor.reading.settled_loads import with_settled_loads
 from jointwear.monitor.reading.survey import Survey, read_survey
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.records import UNJUDGED
@@ -98,7 +99,7 @@ def judge_pieces(
     InputError : if no log could be used.
     """
     arm = load_robot(robot)
-    whole = assemble(pieces, entry.get("time_zone"))
+    whole = assemble(with_settled_loads(pieces), entry.get("time_zone"))
     if not whole.statistics.windows:
         reasons = [line for p in whole.pieces for line in p.refused]
         raise InputError(f"no log could be used: {reasons[0] if reasons else 'they hold no samples'}")

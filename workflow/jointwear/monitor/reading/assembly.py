@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime, tzinfo
 
 import numpy as np
 
 from jointwear.monitor.local_time import repeats_after, zone_of
+from jointwear.monitor.reading.loads_of_windows import LoadsOfWindows, no_loads
 from jointwear.monitor.reading.misdated import misdated_words, wrong_of_overlapping
 from jointwear.monitor.reading.program_labels import window_programs
 from jointwear.monitor.reading.replayed import replayed, replayed_words
@@ -24,8 +25,8 @@ SUNDAY, TURNS, EARLY, HOUR = 6, (3, 4, 9, 10, 11), 4, 3600.0
 class Piece:
     """Statistics of one log: time of its first and last sample [s] (NaN if none), and what was refused, in words.
 
-    `copy_of`: the log before it that holds the same samples, empty if none does; a copy has no windows. `gone`: the log
-    is no longer there, only its statistics are. `cut`: it ends within a row.
+    `loads`: that its windows show. `copy_of`: the log before it that holds the same samples, empty if none does; a copy
+    has no windows. `gone`: the log is no longer there, only its statistics are. `cut`: it ends within a row.
     """
 
     log: str
@@ -36,6 +37,7 @@ class Piece:
     copy_of: str = ""
     gone: bool = False
     cut: bool = False
+    loads: LoadsOfWindows = field(default_factory=no_loads)
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,9 +18,16 @@ from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, ends_within_a_row, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
 from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.reading.carried import least_mass
+from jointwear.monitor.reading.carried import FoundLoad, least_mass
 from jointwear.monitor.reading.derivation import Motion, derive_motion
 from jointwear.monitor.reading.inspection import Inspector
+from jointwear.monitor.reading.loads_of_windows import (
+    LoadsOfWindows,
+    all_loads,
+    doubtful_windows,
+    loads_of_windows,
+    no_loads,
+)
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.plausibility import outside_limits
 from jointwear.monitor.reading.reversals import reach_of
@@ -41,14 +48,15 @@ TOGETHER = 32
 
 @dataclass(frozen=True)
 class LogStatistics:
-    """Statistics of one log, time of its first and last sample [s] (NaN if none), in words what was refused, and
-    whether it is `cut` off within its last row."""
+    """Statistics of one log, time of its first and last sample [s] (NaN if none), in words what was refused, whether it
+    is `cut` off within its last row, and the `loads` that its windows show."""
 
     statistics: WindowStatistics
     first: float = float("nan")
     last: float = float("nan")
     refused: tuple[str, ...] = ()
     cut: bool = False
+    loads: LoadsOfWindows = field(default_factory=no_loads)
 
 
 def log_statistics(
@@ -78,15 +86,22 @@ def log_statistics(
     loads = FlangeLoad(model.robot)
     refused = inspector.refused
     parts: list[WindowStatistics] = []
+    laden: list[WindowStatistics] = []
+    shown: list[LoadsOfWindows] = []
     span = [np.inf, -np.inf]
     unread: list[tuple[int, str]] = []
     try:
         for around, kept in _blocks(path, layout, length, block, unread):
             time = around.chunk.time[kept]
             span = [min(span[0], float(time.min())), max(span[1], float(time.max()))]
-            parts.append(_block_statistics(around, kept, model, loads, survey, settings, inspector, path))
+            own, with_doubtful, of_block = _block_statistics(
+                around, kept, model, loads, survey, settings, inspector, path
+            )
+            parts.append(own)
+            laden.append(with_doubtful)
+            shown.append(of_block)
             if len(parts) >= TOGETHER:
-                parts = [merge(parts)]
+                parts, laden = [merge(parts)], [merge(laden)]
     except InputError as error:
         refused.append(str(error))
     if words := unread_in_words(unread):
@@ -100,7 +115,8 @@ def log_statistics(
     if not parts:
         return LogStatistics(empty, refused=tuple(dict.fromkeys(refused)))
     cut = ends_within_a_row(path, layout)
-    return LogStatistics(merge(parts), *span, tuple(dict.fromkeys(refused)), cut)
+    found = all_loads(shown, doubtful_windows(shown, laden))
+    return LogStatistics(merge(parts), *span, tuple(dict.fromkeys(refused)), cut, found)
 
 
 def _blocks(
@@ -150,9 +166,9 @@ def _block_statistics(
     settings: WindowSettings,
     inspector: Inspector,
     path: str,
-) -> WindowStatistics:
-    """Return the statistics of the `kept` samples of a block, with the loads that it shows, read at the time of the
-    first log."""
+) -> tuple[WindowStatistics, WindowStatistics, LoadsOfWindows]:
+    """Return the statistics of the `kept` samples of a block with the loads that it clearly shows, the same with all
+    that it shows, and these loads; read at the time of the first log."""
     around = replace(around, chunk=without_spikes_of(around.chunk, around.stretch))
     chunk = around.chunk
     step = step_of(chunk.time, around.stretch)
@@ -175,7 +191,8 @@ def _block_statistics(
     # An axis whose torque is none says nothing of the load that all axes carry.
     sound = (flags & int(Flag.CONTRADICTED | Flag.TORQUE_FROZEN)) == 0
     seen, values = SeenBlock(around, motion, loads, least_mass(model.robot), settings, survey, step), chunk.torque
-    loaded, clear = seen.with_loads(torque, values, usable & sound)
+    shown = seen.shown_loads(torque, values, usable & sound)
+    loaded, clear = seen.carrying(torque, [x for x in shown if x.load.clear])
     later = seen.later(loaded, values, usable & clear & sound)
     if abs(later) > LARGEST:
         inspector.tell(off_in_time(path))
@@ -185,25 +202,32 @@ def _block_statistics(
         values, there = read_later(chunk.torque, chunk.time, around.stretch, usable, later)
         later += rest_of(seen.lag(loaded, values, there & clear & sound), survey.lag)
         values, usable = read_later(chunk.torque, chunk.time, around.stretch, usable, later)
-        loaded, clear = seen.with_loads(torque, values, usable & sound)
-    torque, usable = loaded, usable & clear
-    result = window_statistics(
-        chunk.time,
-        motion.position,
-        motion.velocity,
-        values,
-        torque,
-        settings,
-        usable=usable,
-        stretch=around.stretch,
-        temperature=motion.temperature,
-        flags=flags,
-        program=chunk.program,
-        kept=kept,
-        dated=chunk.dated,
-    )
-    seen.add_zeros(result, torque, values, usable & sound, model.dynamics, kept)
-    return result
+        shown = seen.shown_loads(torque, values, usable & sound)
+
+    def read_with(carried: Sequence[FoundLoad]) -> WindowStatistics:
+        loaded, clear = seen.carrying(torque, carried)
+        result = window_statistics(
+            chunk.time,
+            motion.position,
+            motion.velocity,
+            values,
+            loaded,
+            settings,
+            usable=usable & clear,
+            stretch=around.stretch,
+            temperature=motion.temperature,
+            flags=flags,
+            program=chunk.program,
+            kept=kept,
+            dated=chunk.dated,
+        )
+        seen.add_zeros(result, loaded, values, usable & clear & sound, model.dynamics, kept)
+        return result
+
+    certain = [x for x in shown if x.load.clear]
+    result = read_with(certain)
+    laden = result if len(certain) == len(shown) else read_with(shown)
+    return result, laden, loads_of_windows(shown, chunk.time, result.start, settings.length)
 
 
 def _flagged(

@@ -20,7 +20,8 @@ from jointwear.measurement.checks.torque_scale import WrongScale, a_load_explain
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
 from jointwear.measurement.stated import Stated
-from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, together, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, with_loads
+from jointwear.monitor.reading.load_groups import together
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.robots.flange import FlangeLoad
 from jointwear.robots.robot import Robot

@@ -9,14 +9,27 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 
 from jointwear.files.errors import InputError
 from jointwear.files.json_documents import parse_json
-from jointwear.files.storage import open_dataset, read_attribute
+from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable
 from jointwear.monitor.reading.assembly import Piece
-from jointwear.monitor.reading.window_files import statistics_in, write_statistics
+from jointwear.monitor.reading.loads_of_windows import PER_LOAD, LoadsOfWindows, all_loads, no_loads
+from jointwear.monitor.reading.window_files import statistics_in, variables_beside, write_statistics
 from jointwear.monitor.reading.windows import PER_WINDOW, WindowStatistics
+
+#: What the names of the windows with doubtful loads begin with.
+_DOUBTFUL = "doubtful_"
+#: Dimensions, meaning and unit of every field with one row a load.
+_LOADS: dict[str, tuple[tuple[str, ...], str, str | None]] = {
+    "start": (("load",), "start of the window that shows a load", "s"),
+    "moments": (("load", "moment_of_load"), "mass [kg] and first moments [kg m] at the flange", None),
+    "fall": (("load",), "log of the factor by which it lets the variance fall", "1"),
+    "information": (("load", "moment_of_load", "moment_of_load_2"), "what that falls by for other moments", None),
+    "clear": (("load",), "whether the statistics of the windows hold it", "1"),
+}
 
 
 def concatenated(parts: Sequence[WindowStatistics]) -> WindowStatistics:
@@ -47,7 +60,57 @@ def write_pieces(pieces: Sequence[Piece], path: str | Path, settings: Mapping[st
         "rows": np.array([p.statistics.windows for p in pieces], dtype=np.int32),
     }
     statistics = concatenated([p.statistics for p in pieces])
-    write_statistics(statistics, path, "statistics of the windows of logs", dict(settings), more)
+    counts, beside = _loads_beside([p.loads for p in pieces])
+    write_statistics(
+        statistics, path, "statistics of the windows of logs", dict(settings), {**more, **counts}, beside=beside
+    )
+
+
+def _loads_beside(loads: Sequence[LoadsOfWindows]) -> tuple[dict[str, np.ndarray], dict[str, Variable]]:
+    """Return how many loads and doubtful windows each log has, and these, as attributes and variables; nothing where no
+    log has any."""
+    total = all_loads(loads)
+    if not len(total):
+        return {}, {}
+    variables = {
+        f"load_{name}": Variable(dimensions, getattr(total, name), meaning, unit)
+        for name, (dimensions, meaning, unit) in _LOADS.items()
+    }
+    doubtful = [x.doubtful for x in loads]
+    counts = {
+        "loads": np.array([len(x) for x in loads], dtype=np.int32),
+        "doubtful": np.array([0 if x is None else x.windows for x in doubtful], dtype=np.int32),
+    }
+    if counts["doubtful"].any():
+        whole = concatenated([x for x in doubtful if x is not None])
+        variables |= variables_beside(whole, _DOUBTFUL, "doubtful_window", "with the loads that are not clear")
+    return counts, variables
+
+
+def _loads_in(dataset: netCDF4.Dataset, path: str | Path, logs: int) -> list[LoadsOfWindows]:
+    """Return the loads of each of the `logs` of an open file; none of a file that is older than loads are kept.
+
+    Raises
+    ------
+    InputError : naming the file, if it is broken.
+    """
+    if "loads" not in dataset.ncattrs():
+        return [no_loads()] * logs
+    counts = [np.atleast_1d(read_attribute(dataset, path, name)) for name in ("loads", "doubtful")]
+    columns = {name: read_variable(dataset, path, f"load_{name}") for name in PER_LOAD}
+    columns["clear"] = columns["clear"].astype(bool)
+    doubtful = statistics_in(dataset, path, _DOUBTFUL) if counts[1].any() else None
+    of_loads, of_windows = (np.concatenate([[0], np.cumsum(n)]) for n in counts)
+    held = len(columns["start"]), 0 if doubtful is None else doubtful.windows
+    if {len(n) for n in counts} != {logs} or (of_loads[-1], of_windows[-1]) != held:
+        raise InputError(f"{path}: its logs and loads do not belong together; delete it and run again")
+    return [
+        LoadsOfWindows(
+            **{name: values[a:b] for name, values in columns.items()},
+            doubtful=None if doubtful is None or c == d else doubtful.part(slice(c, d)),
+        )
+        for (a, b), (c, d) in zip(pairwise(of_loads.tolist()), pairwise(of_windows.tolist()), strict=True)
+    ]
 
 
 def read_pieces(path: str | Path) -> list[Piece]:
@@ -65,13 +128,14 @@ def read_pieces(path: str | Path) -> list[Piece]:
         first, last, rows = (np.atleast_1d(read_attribute(dataset, path, name)) for name in ("first", "last", "rows"))
         # Files of a log that is gone may be older than what they say of its end.
         cut = np.atleast_1d(read_attribute(dataset, path, "cut") if "cut" in dataset.ncattrs() else 0 * rows)
+        loads = _loads_in(dataset, path, len(logs))
     edges = np.concatenate([[0], np.cumsum(rows)])
     kept = {len(x) for x in (logs, refused, first, last, cut, rows)}
     if len(kept) > 1 or edges[-1] != statistics.windows:
         raise InputError(f"{path}: its logs and windows do not belong together; delete it and run again")
     return [
-        Piece(log, statistics.part(slice(a, b)), float(begin), float(end), tuple(told), cut=bool(torn))
-        for log, (a, b), begin, end, told, torn in zip(
-            logs, pairwise(edges.tolist()), first, last, refused, cut, strict=True
+        Piece(log, statistics.part(slice(a, b)), float(begin), float(end), tuple(told), cut=bool(torn), loads=shown)
+        for log, (a, b), begin, end, told, torn, shown in zip(
+            logs, pairwise(edges.tolist()), first, last, refused, cut, loads, strict=True
         )
     ]

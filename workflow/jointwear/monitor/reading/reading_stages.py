@@ -67,7 +67,7 @@ def log_pieces(
 
 def _log_piece(log: str, layout: Layout, model: TorqueModel, survey: Survey, length: float) -> Piece:
     done = log_statistics(log, layout, model, survey, length)
-    return Piece(log, done.statistics, done.first, done.last, done.refused, cut=done.cut)
+    return Piece(log, done.statistics, done.first, done.last, done.refused, cut=done.cut, loads=done.loads)
 
 
 def accumulate_windows(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,8 +11,9 @@ import numpy as np
 from jointwear.measurement.clock import Ordered
 from jointwear.measurement.derived.even_steps import reaches
 from jointwear.monitor.reading.accumulate import WindowSettings, moving
-from jointwear.monitor.reading.carried import LoadsOnMotion, together, with_loads
+from jointwear.monitor.reading.carried import FoundLoad, LoadsOnMotion, carrying, found_loads
 from jointwear.monitor.reading.derivation import Motion
+from jointwear.monitor.reading.load_groups import together
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.survey import SLOWEST_RATE, Survey
 from jointwear.monitor.reading.torque_lag import GLANCE, Lag, change_of, lag_of, pieces_of, plainly_none
@@ -50,8 +52,8 @@ class SeenBlock:
     survey: Survey
     step: float
 
-    def with_loads(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> tuple[ModelTorque, np.ndarray]:
-        """Return the torque of the model with the loads that each window shows, and the samples clear of a switch.
+    def shown_loads(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray) -> list[FoundLoad]:
+        """Return the loads that each window shows, clear or not, given the torque of the model without them.
 
         Parameters
         ----------
@@ -59,7 +61,11 @@ class SeenBlock:
         """
         residual = torque - model.total
         used, speed = self._moved(usable & np.isfinite(residual)), self.motion.velocity
-        return with_loads(model, residual, speed, used, self._groups, self.step, self._along, self.least)
+        return found_loads(model, residual, speed, used, self._groups, self.step, self._along, self.least)
+
+    def carrying(self, model: ModelTorque, loads: Sequence[FoundLoad]) -> tuple[ModelTorque, np.ndarray]:
+        """Return the torque of the model with some of these loads, and the samples clear of a switch."""
+        return carrying(model, loads, self.step, self._along)
 
     def lag(self, model: ModelTorque, torque: np.ndarray, usable: np.ndarray, every: int = 1) -> Lag:
         """Return how late a torque (m, n) [N m] is against the motion, by one of `every` windows; `model` with the

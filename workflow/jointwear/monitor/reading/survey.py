@@ -23,8 +23,9 @@ from jointwear.measurement.formats import Chunk, Layout, read_log
 from jointwear.measurement.formats.chunk import RowsLeftOut, joined
 from jointwear.measurement.turns import unwrapped
 from jointwear.monitor.reading.accumulate import moving
-from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, together, with_loads
+from jointwear.monitor.reading.carried import LoadsOnMotion, least_mass, with_loads
 from jointwear.monitor.reading.derivation import Motion, derive_motion
+from jointwear.monitor.reading.load_groups import together
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.plausibility import check_first
 from jointwear.monitor.reading.rounded import written_steps

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +57,10 @@ def write_statistics(
     title: str,
     settings: Mapping[str, Any],
     more: Mapping[str, Any] | None = None,
+    beside: Mapping[str, Variable] | None = None,
 ) -> None:
-    """Write statistics; `title` and `settings` tell the origin, `more` are further attributes."""
+    """Write statistics; `title` and `settings` tell the origin, `more` and `beside` are further attributes and
+    variables."""
     n = statistics.axes
     edge = HISTOGRAM_SPAN * np.linspace(-1, 1, HISTOGRAM_BINS + 1)
     variables = {
@@ -66,13 +69,7 @@ def write_statistics(
         "bin_low": Variable(("bin",), edge[:-1], "lower edge of the bin over torque_reference", "1"),
         "torque_reference": Variable(("axis",), statistics.torque_reference, "torque that scales the bins", "N m"),
     }
-    for name in PER_WINDOW:
-        dimensions, meaning, unit = _LAYOUT[name]
-        values = np.asarray(getattr(statistics, name))
-        kind = "i4" if values.dtype.kind == "i" else None
-        variables[name] = Variable(
-            dimensions, values, meaning, unit, kind=kind, compressed=name in ("torque_histogram", "gram", "score")
-        )
+    variables |= {name: _variable(statistics, name) for name in PER_WINDOW}
     bits = list(Flag)
     variables["flags"].attributes.update(
         flag_masks=np.array([int(f) for f in bits], dtype=np.int32),
@@ -80,7 +77,31 @@ def write_statistics(
         comment="; ".join(f"{f.name.lower()}: {FLAG_WORDS[f]}" for f in bits),
     )
     attributes = provenance.attributes(title, settings) | {"dated": int(statistics.dated)} | dict(more or {})
-    write_dataset(path, variables, attributes)
+    write_dataset(path, {**variables, **(beside or {})}, attributes)
+
+
+def _variable(statistics: WindowStatistics, name: str) -> Variable:
+    """Return a field with one row a window as it is written."""
+    dimensions, meaning, unit = _LAYOUT[name]
+    values = np.asarray(getattr(statistics, name))
+    kind = "i4" if values.dtype.kind == "i" else None
+    compressed = name in ("torque_histogram", "gram", "score")
+    return Variable(dimensions, values, meaning, unit, kind=kind, compressed=compressed)
+
+
+def variables_beside(statistics: WindowStatistics, prefix: str, windows: str, what: str) -> dict[str, Variable]:
+    """Return statistics as variables beside those of a file.
+
+    Parameters
+    ----------
+    prefix : of their names. windows : the dimension of these windows. what : in words what windows they are.
+    """
+    found = {}
+    for name in PER_WINDOW:
+        own = _variable(statistics, name)
+        dimensions = tuple(windows if d == "window" else d for d in own.dimensions)
+        found[prefix + name] = replace(own, dimensions=dimensions, long_name=f"{own.long_name}; {what}")
+    return found
 
 
 def read_statistics(path: str | Path) -> WindowStatistics:
@@ -94,17 +115,17 @@ def read_statistics(path: str | Path) -> WindowStatistics:
         return statistics_in(dataset, path)
 
 
-def statistics_in(dataset: netCDF4.Dataset, path: str | Path) -> WindowStatistics:
-    """Return the statistics of an open file.
+def statistics_in(dataset: netCDF4.Dataset, path: str | Path, prefix: str = "") -> WindowStatistics:
+    """Return the statistics of an open file; `prefix` of the names of those beside (:func:`variables_beside`).
 
     Raises
     ------
     InputError : as :func:`read_statistics`.
     """
-    whole = {"regressor", *PER_WINDOW} <= set(dataset.variables)
+    whole = {"regressor", *(prefix + name for name in PER_WINDOW)} <= set(dataset.variables)
     if not whole or tuple(read_variable(dataset, path, "regressor")) != REGRESSORS:
         raise InputError(f"{path}: holds no window statistics of this version; delete it and run again")
-    values = {name: read_variable(dataset, path, name) for name in PER_WINDOW}
+    values = {name: read_variable(dataset, path, prefix + name) for name in PER_WINDOW}
     reference, dated = read_variable(dataset, path, "torque_reference"), bool(dataset.dated)
     values = {k: v.astype(np.int64) if v.dtype.kind == "i" else v for k, v in values.items()}
     clock = np.concatenate([np.ravel(values["start"]), np.ravel(values["end"])])
