@@ -18,6 +18,7 @@ from jointwear.monitor.fleet.summary import summarise_fleet
 from jointwear.monitor.fleet.table import table_row
 from jointwear.monitor.judging.open_alarms import OPEN_ALARM
 from jointwear.monitor.local_time import zone_of
+from jointwear.monitor.notify.notices import notices
 from jointwear.monitor.presentation.condition import CHANGED, UNJUDGED
 from jointwear.monitor.presentation.page import finding_rows
 from jointwear.monitor.reading.inspection import ALL_LOGS
@@ -107,6 +108,27 @@ def test_what_mends_one_log_names_it():
     assert "logs/3.csv and others as the first" in line
     nameless = as_of(robot("arm", refused_newest=1, refused_logs=1, refusals=[f"is odd; {mend}"]), NOW)
     assert "Write the torque of this log as" in robot_item(nameless, zone_of(None), "robots")["mends"][0]
+
+
+def test_a_column_that_got_another_name_mends_the_logs_that_lack_it():
+    rename = "rename the column 'trq_act_3' of this log, which nothing reads, to 'torque_3' if it is that one"
+    empty = "log 'torque_3', or write it as an empty column to have the other axes monitored"
+    told = [f"{name}: the columns 'torque_1', 'torque_2' ... have gaps; {rename}; {empty}" for name in ("a", "b")]
+    row = as_of(robot("arm", refused_newest=2, refused_logs=2, refusals=told), NOW)
+    mends = robot_item(row, zone_of(None), "robots")["mends"]
+    assert mends == ["R" + rename[1:].replace("this log", "a and b"), "L" + empty[1:]]
+
+
+def test_logs_that_come_and_are_refused_are_no_silence(tmp_path):
+    rows = {"robots": [robot("arm", last_sample=NOW - 5 * DAY, refused_newest=n, refused_logs=n) for n in (9, 0)]}
+    rows["robots"][1]["robot"] = "other"
+    page = tmp_path / "index.html"
+    write_fleet_page([as_of(row, NOW) for row in rows["robots"]], page, zone_of(None), NOW, "robots", [])
+    text = page.read_text()
+    assert "5 days ago: 9 logs that came since are refused" in text
+    assert text.count("silent for 5 days") == 1
+    told = [n.words for n in notices([as_of(row, NOW) for row in rows["robots"]], zone_of(None))]
+    assert told[1:] == ["no log that can be judged for 5 days", "no new log for 5 days"]
 
 
 def test_what_mends_refused_logs_comes_first(tmp_path):

@@ -73,8 +73,26 @@ FILES = {
 @pytest.mark.parametrize(("name", "column"), [("few.csv", "torque_6"), ("gap.csv", "torque_3")])
 def test_a_column_that_is_missing_is_named_with_what_to_do(tmp_path, name, column):
     FILES[name][0](tmp_path / name)
-    with pytest.raises(InputError, match=f"'{column}' is missing; log it, or write it as an empty column"):
+    with pytest.raises(InputError, match=f"'{column}' is missing; log '{column}', or write it as an empty column"):
         read(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("also", "told"),
+    [
+        (("trq_act_3",), "rename the column 'trq_act_3' of this log, which nothing reads, to 'torque_3' if it is"),
+        (("line_speed", "trq_act_3 [N m]"), "rename the column 'trq_act_3 .N m.' of this log"),
+        (("drive",), "rename the column 'drive' of this log"),
+        (("drive", "line_speed"), "is missing; log 'torque_3'"),
+        (("trq_act_4",), "is missing; log 'torque_3'"),
+    ],
+)
+def test_a_column_that_got_another_name_is_told_where_one_is_likely(tmp_path, also, told):
+    there = {k: v for k, v in columns(make_log(1.0)).items() if k != "torque_3"}
+    path = write_csv(tmp_path / "log.csv", there | {name: np.ones(50) for name in also})
+    with pytest.raises(InputError, match=told) as refused:
+        read(path)
+    assert ("'variables'" in str(refused.value)) == ("rename" in told)
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -58,6 +58,11 @@ def nearest(word: str, allowed: Iterable[str], meant: Mapping[str, str] | None =
     ----------
     meant : other words that count as close, and the allowed word that each stands for.
     """
-    words = [str(a) for a in allowed] + list(meant or {})
-    close = difflib.get_close_matches(str(word)[:LONGEST_VALUE], words, n=1, cutoff=0.5)
-    return f"; did you mean '{(meant or {}).get(close[0], close[0])}'?" if close else ""
+    close = closest(word, [*allowed, *(meant or {})])
+    return f"; did you mean '{(meant or {}).get(close, close)}'?" if close else ""
+
+
+def closest(word: str, allowed: Iterable[str]) -> str:
+    """Return the allowed word closest to `word`, empty where none is close."""
+    words = [str(a) for a in allowed]
+    return next(iter(difflib.get_close_matches(str(word)[:LONGEST_VALUE], words, n=1, cutoff=0.5)), "")

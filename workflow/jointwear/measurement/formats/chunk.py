@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jointwear.files.errors import InputError, nearest, shown
+from jointwear.files.errors import InputError, closest, nearest, shown
 from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.named_units import without_units
@@ -159,7 +159,7 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                 lost = next(k for k in range(min(numbers[0], 1), numbers[-1]) if k not in numbers)
                 raise InputError(
                     f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)}): '{name}_{lost}' is "
-                    f"missing{_left_empty(role)}"
+                    f"missing{_what_mends(role, f'{name}_{lost}', layout, there)}"
                 )
             if numbered:
                 found[role] = [known[c] for _, c in numbered]
@@ -194,24 +194,50 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
             whose = "the robot" if layout.axes else "the position"
             raise InputError(
                 f"{path}: has {counted(len(names), 'column')} of {role}, {whose} has {counted(axes, 'joint')}"
-                f"{_next_missing(layout, role, names, axes)}"
+                f"{_next_missing(layout, role, names, axes, there)}"
             )
     return found
 
 
-def _left_empty(role: str) -> str:
-    """Return what to do where one column of a role is missing: of a torque that was not measured an empty one will do,
-    for the monitor judges the other axes without."""
-    return "; log it, or write it as an empty column to have the other axes monitored" if role == "torque" else ""
+def _what_mends(role: str, lost: str, layout: Layout, there: Sequence[str]) -> str:
+    """Return what to do where one column of a role is missing: look whether a column that nothing reads is it; of a
+    torque that was not measured an empty one will do, for the monitor judges the other axes without."""
+    clauses = []
+    if other := _renamed(lost, layout, there):
+        clauses.append(
+            f"rename the column '{other}' of this log, which nothing reads, to '{lost}' if it is that one, or name it "
+            f"under 'variables' where all logs of the robot have it ({role}: [...], one column for each joint)"
+        )
+    if role == "torque":
+        clauses.append(f"log '{lost}', or write it as an empty column to have the other axes monitored")
+    return "".join(f"; {clause}" for clause in clauses)
 
 
-def _next_missing(layout: Layout, role: str, names: Sequence[str], axes: int) -> str:
+def _renamed(lost: str, layout: Layout, there: Sequence[str]) -> str:
+    """Return the column that a missing one may have become: of those that nothing reads, and that end in its number if
+    in any, the one of the nearest name, or the only one; empty where none is likely."""
+    read = set(layout.program)
+    for role, name in layout.names.items():
+        known = without_units(role, there)
+        names = [name, *(c for _, c in numbered_columns(known, name))] if isinstance(name, str) else name
+        read |= {known[c] for c in names if c in known}
+    number = re.compile(r"[0-9]+$")
+    own = number.findall(lost)
+    # What stands in brackets is no part of a name.
+    unread = {re.sub(r"\s*[\[(][^\[\]()]*[\])]\s*$", "", c): c for c in there if c not in read}
+    unread = {name: c for name, c in unread.items() if number.findall(name) in ([], own)}
+    near = closest(lost, unread)
+    return unread[near] if near else next(iter(unread.values())) if len(unread) == 1 else ""
+
+
+def _next_missing(layout: Layout, role: str, names: Sequence[str], axes: int, there: Sequence[str]) -> str:
     """Return which numbered column a role with fewer `names` than axes has no more, and what to do; else nothing."""
     name = layout.names[role]
     if not isinstance(name, str) or not 0 < len(names) < axes:
         return ""
     (first, _), *_ = numbered_columns(names, name) or [(1, "")]
-    return f": '{name}_{first + len(names)}' is missing{_left_empty(role)}"
+    lost = f"{name}_{first + len(names)}"
+    return f": '{lost}' is missing{_what_mends(role, lost, layout, there)}"
 
 
 #: Columns of a table in long form: what names the quantity of a row, and what holds its value.

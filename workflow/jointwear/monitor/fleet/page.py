@@ -45,8 +45,8 @@ LASTING = (
 _NUMBERS = re.compile(r"(?:, )?[-+]?\d[\d.e+-]*(?: (?:for|on) joint \d+)?")
 #: How what mends a log begins, among the clauses that say why it is refused.
 MENDS = (
-    "delete", "give", "join", "label", "leave", "log", "map", "mend", "multiply", "name", "put", "record", "repair",
-    "save", "state", "turn", "write",
+    "delete", "give", "join", "label", "leave", "log", "map", "mend", "multiply", "name", "put", "record", "rename",
+    "repair", "save", "state", "turn", "write",
 )  # fmt: skip
 #: Findings and axes of a robot that the list shows; the page of the robot has all.
 SHOWN = 3
@@ -85,6 +85,7 @@ def robot_item(row: Mapping[str, Any], zone: tzinfo, link: str) -> dict[str, Any
         "notes": [words for words, note in shown if note],
         "last": "" if row["last_sample"] is None else log_time(_minute(row), zone, row["dated"]),
         "silent": duration(row["silence_hours"]) if row["stale"] else "",
+        "came": row["refused_newest"] if row["stale"] else 0,
         "unjudged": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == UNJUDGED)),
         "higher": [f"Axis {axis['axis']}: {axis['rising']}" for axis in row["axes"] if axis.get("rising")],
         "coarse": name_axes(sorted(a["axis"] for a in row["axes"] if a["level"] == HEALTHY and a["axis"] in coarse)),

@@ -49,7 +49,8 @@ def notices(rows: Sequence[Mapping[str, Any]], zone: tzinfo) -> list[Notice]:
             words = f"the newest logs are refused ({row['refused_newest']}): {told}"
             found.append(Notice(f"{row['folder']}|refused", row["robot"], row["robot"], words))
         if row["stale"]:
-            silent = f"no new log for {duration(row['silence_hours'])}"
+            what = "no log that can be judged" if row["refused_newest"] else "no new log"
+            silent = f"{what} for {duration(row['silence_hours'])}"
             found.append(Notice(f"{row['folder']}|stale", row["robot"], row["robot"], silent))
     return found
 
