@@ -9,6 +9,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.monitor.normal.conditions import operating_features
 from jointwear.monitor.normal.override import override_findings, path_speed, unseen_speed
 from jointwear.monitor.normal.payload import GravityTorque
+from jointwear.monitor.normal.programs import among_programs
 from jointwear.monitor.reading.at_rest import without_noise_at_rest
 
 WINDOWS, BASELINE = 40, np.arange(40) < 20
@@ -40,6 +41,27 @@ def test_an_override_is_told_with_its_factor():
     assert (found["time"], found["kind"]) == (30 * 3600.0, "override")
     assert "10 h at 0.8 times its usual speed" in found["words"]
     assert "5 h of them judged" in found["words"]
+
+
+def test_the_program_that_ran_at_another_speed_is_named_where_others_did_not():
+    statistics = at(month(), 0.8)
+    late = np.zeros(WINDOWS, dtype=bool)
+    late[LATE] = True
+    program = np.where(late, '{"weld": 9}', '{"pick": 9}').astype(object)
+    for labels, begins in (
+        (program, "In program 'weld' the robot ran 10 h at"),
+        (np.full(WINDOWS, '{"weld": 9}', dtype=object), "The robot ran 10 h at"),
+        (np.full(WINDOWS, "", dtype=object), "The robot ran 10 h at"),
+    ):
+        (found,) = told(replace(statistics, labels=labels))
+        assert found["words"].startswith(begins)
+
+
+def test_a_program_without_a_name_is_one_of_so_many():
+    rows, nameless = np.arange(5, 8), np.full(12, "", dtype=object)
+    assert among_programs(nameless, np.repeat([0, 1, 2], 4), rows) == "in 1 of its 3 programs"
+    assert among_programs(nameless, np.zeros(12, dtype=int), rows) == ""
+    assert among_programs(nameless, None, rows) == ""
 
 
 def test_slower_and_faster_hours_are_told_apart():

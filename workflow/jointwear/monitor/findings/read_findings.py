@@ -10,6 +10,7 @@ import numpy as np
 from jointwear.effects import get_effect
 from jointwear.files.wording import count, listed, name_axes
 from jointwear.measurement.flags import Flag
+from jointwear.monitor.normal.programs import among_programs
 from jointwear.monitor.normal.unsure import not_of_program
 from jointwear.monitor.reading.logs_of_windows import LogsOfWindows
 from jointwear.monitor.reading.rounded import loud_by_rounding, rounded_since
@@ -163,7 +164,7 @@ def reading_findings(
                 marked &= ~loud_by_rounding(statistics, baseline)
                 label = np.zeros(statistics.windows, dtype=int) if program is None else program
                 news = not_of_program(marked, np.ones_like(marked), label, baseline, OFTEN)
-                result += _since_baseline(statistics, marked & ~news)
+                result += _since_baseline(statistics, marked & ~news, program)
                 marked = news
         seen = marked.any(axis=1)
         before = np.zeros(statistics.axes, dtype=bool) if baseline is None else marked[baseline].any(axis=0)
@@ -189,16 +190,27 @@ def reading_findings(
     return result
 
 
-def _since_baseline(statistics: WindowStatistics, marked: np.ndarray) -> list[dict[str, Any]]:
-    """Return the finding on windows `marked` (w, n) of programs whose torque the model has never explained, or none."""
+def _since_baseline(
+    statistics: WindowStatistics, marked: np.ndarray, program: np.ndarray | None
+) -> list[dict[str, Any]]:
+    """Return the finding on windows `marked` (w, n) of programs whose torque the model has never explained, or none;
+    `program` as of :func:`reading_findings`."""
     rows, axes = np.flatnonzero(marked.any(axis=1)), (np.flatnonzero(marked.any(axis=0)) + 1).tolist()
     if not len(rows):
         return []
+    where = among_programs(statistics.labels, program, rows)
+    mends = "state the load as 'payload' of the robot file."
+    if where:
+        # One payload would be as wrong for the other programs, and mending the one would spoil them.
+        mends = (
+            "the robot file has one 'payload', which holds in all programs: state the load there if the others carry "
+            "it, too. Where they do not, it cannot be stated, and this axis is judged in the others alone."
+        )
     words = (
-        f"In {count(len(rows), 'window')} of programs that were so in the normal period already, the torque of "
-        f"{name_axes(axes)} fits neither the model nor the first log: a load at the flange that the robot file lacks, "
-        "or a motion in which this torque is small, and no fault that came since. These windows are not judged; state "
-        "the load as 'payload' of the robot file."
+        f"In {count(len(rows), 'window')} of programs that were so in the normal period already"
+        f"{f', {where},' if where else ','} the torque of {name_axes(axes)} fits neither the model nor the first log: "
+        "a load at the flange that the robot file lacks, or a motion in which this torque is small, and no fault that "
+        f"came since. These windows are not judged; {mends}"
     )
     return [{"time": float(statistics.start[rows[0]]), "axes": axes, "kind": SINCE, "words": words}]
 

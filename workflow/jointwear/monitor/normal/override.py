@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from jointwear.files.wording import significant
+from jointwear.monitor.normal.programs import among_programs
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -107,8 +108,10 @@ def override_findings(
         f"{len(own) * hours:.3g} h at {_span(np.exp(change[own]))} times its usual speed" for own in sides
     )
     known = f"{judged[rows].sum() * hours:.3g} h of them judged" if judged[rows].any() else "none of them judged yet"
+    where = among_programs(statistics.labels, regime, rows)
+    begin = f"{where[:1].upper()}{where[1:]} the robot" if where else "The robot"
     words = (
-        f"The robot ran {times}, which the normal period did not have, {known}: what another speed changes has to be "
+        f"{begin} ran {times}, which the normal period did not have, {known}: what another speed changes has to be "
         "learnt first. If it often runs so, name the override under 'program', or let the normal period hold it."
     )
     return [{"time": float(statistics.start[rows[0]]), "axes": [], "kind": OVERRIDE, "words": words}]

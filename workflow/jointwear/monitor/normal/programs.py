@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.wording import listed
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.program_labels import window_programs
 from jointwear.monitor.reading.regimes import FEWEST_OF_REGIME
@@ -55,6 +56,26 @@ def unseen_programs(labels: np.ndarray, baseline: np.ndarray) -> list[tuple[str,
         if name and after[k] and np.sum(seen == name) < FEWEST_OF_REGIME:
             first.setdefault(name, k)
     return list(first.items())
+
+
+def among_programs(labels: np.ndarray, regime: np.ndarray | None, rows: np.ndarray) -> str:
+    """Return in words in which program windows ran, with a preposition; empty where they are of all that there are.
+
+    Parameters
+    ----------
+    labels : (w,) as of :func:`window_programs`. regime : (w,) program as it is recognised, -1 unknown, or None for one.
+    rows : which windows, indices.
+    """
+    names = np.array(window_programs(labels), dtype=object)
+    own, every = set(names[rows]) - {""}, set(names) - {""}
+    if own and len(own) < len(every) and all(names[rows]):
+        return f"in program{'s' if len(own) > 1 else ''} {listed(repr(name) for name in sorted(own))}"
+    if every or regime is None:
+        return ""
+    own, every = set(regime[rows].tolist()), set(regime.tolist()) - {-1}
+    if -1 in own or not own < every:
+        return ""
+    return f"in {len(own)} of its {len(every)} programs"
 
 
 def program_findings(statistics: WindowStatistics, baseline: np.ndarray, judged: np.ndarray) -> list[dict[str, Any]]:
