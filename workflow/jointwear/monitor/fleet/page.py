@@ -11,6 +11,7 @@ from typing import Any
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import count, listed, name_axes
 from jointwear.monitor.findings.misfits import MISFIT
+from jointwear.monitor.findings.missed_torque import BASE
 from jointwear.monitor.findings.seen_growth import COARSE, LOOSE, MISSED
 from jointwear.monitor.findings.told_together import before_words, told_together
 from jointwear.monitor.fleet.metrics import COUNTS
@@ -38,7 +39,7 @@ CHECKS = {
 }
 #: Kinds of findings that hold for all logs, and have no day.
 LASTING = (
-    COARSE, LOOSE, MISSED, EARLY_EVENT, PLANNED_EVENT, ELSEWHERE, "baseline", "robot", "dead_band",
+    COARSE, LOOSE, MISSED, BASE, EARLY_EVENT, PLANNED_EVENT, ELSEWHERE, "baseline", "robot", "dead_band",
     "missing_temperature", MISFIT,
 )  # fmt: skip
 #: Numbers of joints, and of what is refused, by which reasons of one kind differ.

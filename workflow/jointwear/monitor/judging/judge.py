@@ -18,6 +18,7 @@ from jointwear.files.errors import InputError
 from jointwear.monitor.events import Event
 from jointwear.monitor.findings.findings import findings_of
 from jointwear.monitor.findings.greasing import greasing_findings
+from jointwear.monitor.findings.missed_torque import unsure_percent_findings
 from jointwear.monitor.findings.odd_motion import odd_motion_findings
 from jointwear.monitor.findings.offsets import offset_findings
 from jointwear.monitor.findings.read_findings import driving_findings, reading_findings
@@ -165,7 +166,7 @@ def judge(
         ),
         reason=teller.reasons(),
         findings=[
-            *_findings(statistics, seen, friction, viscous, teller, limit, settings.events, logs),
+            *_findings(statistics, seen, friction, viscous, teller, status == CHANGED, limit, settings.events, logs),
             *open_alarm_findings(statistics, settings.events, alarms, estimates),
             *grown_before_findings(statistics, level),
             *standstill_findings(statistics, limits, alarms, settings.events),
@@ -203,11 +204,12 @@ def _findings(
     friction: _Level,
     viscous: Watch,
     teller: Teller,
+    changed: np.ndarray,
     limit: float,
     events: Sequence[Event],
     logs: LogsOfWindows | None,
 ) -> list[dict[str, Any]]:
-    """Return what is no alarm but must be told; `limit` of growth, as a share."""
+    """Return what is no alarm but must be told; `changed` (w, n) bool; `limit` of growth, as a share."""
     first, shift, level = seen.baseline, seen.shift, friction.watch
     changes = friction.steps, friction.exchanges
     most = np.isfinite(level.residual).mean(axis=1) > 0.5
@@ -223,6 +225,7 @@ def _findings(
         *coarse_findings(statistics, first, teller.least, limit),
         *loose_findings(statistics, first, level),
         *missed_findings(statistics, first, viscous),
+        *(unsure_percent_findings(statistics, first, seen.coulomb, changed[-1]) if first.any() else []),
         *(backlash_findings(seen.hidden, float(statistics.start[0])) if first.any() else []),
         *program_findings(statistics, first, most),
         *product_findings(statistics, seen.conditions.regime, seen.products, most, logs),

@@ -29,16 +29,18 @@ class Observed:
     """Windows (w,) and axes (n,) of a robot.
 
     `baseline` (w,) bool; `series`: friction by name; `scale`: of the torque; `hidden`: per axis, why backlash cannot be
-    seen, empty where it can; `shift` (w,) labels; `regime` (w,) program of each window or None; `events`: per axis,
-    windows at which the config says that something was done to it; `kept`: those of them that tell of another program
-    alone, which repairs nothing; `products` that the baseline lacks, each a program of `conditions`; `offset`: (w, n)
-    constant torque [N m] beside gravity, NaN where the motion does not show it.
+    seen, empty where it can; `coulomb` (n, 2) its levels [N m] in the baseline or of the file; `shift` (w,) labels;
+    `regime` (w,) program of each window or None; `events`: per axis, windows at which the config says that something
+    was done to it; `kept`: those of them that tell of another program alone, which repairs nothing; `products` that the
+    baseline lacks, each a program of `conditions`; `offset`: (w, n) constant torque [N m] beside gravity, NaN where the
+    motion does not show it.
     """
 
     baseline: np.ndarray
     series: Mapping[str, Series]
     scale: Series
     hidden: list[str]
+    coulomb: np.ndarray
     conditions: Conditions
     shift: np.ndarray
     regime: np.ndarray | None
@@ -80,11 +82,13 @@ def observe(statistics: WindowStatistics, baseline: int | np.ndarray, settings: 
     told = [e for e in settings.events if e.time > begin]
     events = event_windows(told, start, statistics.axes)
     mended = event_windows([e for e in told if e.mends], start, statistics.axes)
+    level = known_coulomb(coulomb, series["friction"], first)
     return Observed(
         baseline=first,
         series=series,
         scale=scale,
-        hidden=hidden_because(statistics, known_coulomb(coulomb, series["friction"], first), first),
+        hidden=hidden_because(statistics, level, first),
+        coulomb=level,
         conditions=Conditions(start, end, temperature, features, speed, load, program, named),
         shift=shift,
         regime=regime,

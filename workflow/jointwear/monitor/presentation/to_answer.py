@@ -10,6 +10,7 @@ from jointwear.monitor.findings.findings import AT_ONCE, FELL, PROGRAM, SHARED
 from jointwear.monitor.findings.greasing import GREASED
 from jointwear.monitor.findings.loud import LOUD, LOUD_PROGRAM, SMOOTH, UNEVEN
 from jointwear.monitor.findings.misfits import MISFIT
+from jointwear.monitor.findings.missed_torque import BASE
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED
 from jointwear.monitor.findings.offsets import OFFSET
 from jointwear.monitor.findings.read_findings import DRIVES, NONE, ROUNDED, SCATTERED
@@ -41,7 +42,7 @@ WHILE_IT_LASTS = (
     *ROUNDED,
 )
 #: Kinds that only tell how a robot ran and what of it is judged, unless they name logs to look at.
-TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED)
+TELLING = (PROGRAM, LOUD_PROGRAM, OVERRIDE, SHARED, COARSE, LOOSE, MISSED, BASE)
 
 
 def asks_for_answer(found: Mapping[str, Any]) -> bool:
