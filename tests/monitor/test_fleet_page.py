@@ -111,7 +111,7 @@ def test_what_mends_one_log_names_it():
 
 
 def test_a_column_that_got_another_name_mends_the_logs_that_lack_it():
-    rename = "rename the column 'trq_act_3' of this log, which nothing reads, to 'torque_3' if it is that one"
+    rename = "rename the column 'trq_act_3', which nothing reads, to 'torque_3' in this log if it is that one"
     empty = "log 'torque_3', or write it as an empty column to have the other axes monitored"
     told = [f"{name}: the columns 'torque_1', 'torque_2' ... have gaps; {rename}; {empty}" for name in ("a", "b")]
     row = as_of(robot("arm", refused_newest=2, refused_logs=2, refusals=told), NOW)

@@ -80,9 +80,9 @@ def test_a_column_that_is_missing_is_named_with_what_to_do(tmp_path, name, colum
 @pytest.mark.parametrize(
     ("also", "told"),
     [
-        (("trq_act_3",), "rename the column 'trq_act_3' of this log, which nothing reads, to 'torque_3' if it is"),
-        (("line_speed", "trq_act_3 [N m]"), "rename the column 'trq_act_3 .N m.' of this log"),
-        (("drive",), "rename the column 'drive' of this log"),
+        (("trq_act_3",), "rename the column 'trq_act_3', which nothing reads, to 'torque_3' in this log if it is"),
+        (("line_speed", "trq_act_3 [N m]"), "rename the column 'trq_act_3 .N m.', which"),
+        (("drive",), "rename the column 'drive', which"),
         (("drive", "line_speed"), "is missing; log 'torque_3'"),
         (("trq_act_4",), "is missing; log 'torque_3'"),
     ],

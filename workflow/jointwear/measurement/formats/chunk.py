@@ -205,7 +205,7 @@ def _what_mends(role: str, lost: str, layout: Layout, there: Sequence[str]) -> s
     clauses = []
     if other := _renamed(lost, layout, there):
         clauses.append(
-            f"rename the column '{other}' of this log, which nothing reads, to '{lost}' if it is that one, or name it "
+            f"rename the column '{other}', which nothing reads, to '{lost}' in this log if it is that one, or name it "
             f"under 'variables' where all logs of the robot have it ({role}: [...], one column for each joint)"
         )
     if role == "torque":
