@@ -189,7 +189,7 @@ def test_a_torque_that_was_never_explained_in_a_program_is_told_once_and_is_no_f
     s.flags[program == 1, 2] = int(Flag.CONTRADICTED)
     (told,) = reading_findings(s, baseline, None, program)
     assert (told["kind"], told["axes"], told["time"]) == ("contradicted_since", [3], s.start[1])
-    assert "20 windows of programs that were so in the normal period already, in 1 of its 2 programs," in told["words"]
+    assert "20 windows of programs that were so in the normal period already (1 of its 2 programs)," in told["words"]
     assert "one 'payload', which holds in all programs" in told["words"]
     assert "end" not in told
     # What comes later in another program is told as before.
@@ -197,7 +197,7 @@ def test_a_torque_that_was_never_explained_in_a_program_is_told_once_and_is_no_f
     assert [f["kind"] for f in reading_findings(s, baseline, None, program)] == ["contradicted_since", "contradicted"]
     labels = np.where(program == 1, '{"weld": 9}', '{"pick": 9}').astype(object)
     (named, _) = reading_findings(replace(s, labels=labels), baseline, None, program)
-    assert "already, in program 'weld', the torque of axis 3" in named["words"]
+    assert "already (program 'weld'), the torque of axis 3" in named["words"]
     s.flags[program == 1, 2] = np.where(baseline[program == 1], 0, int(Flag.CONTRADICTED))
     assert {f["kind"] for f in reading_findings(s, baseline, None, program)} == {"contradicted"}
 

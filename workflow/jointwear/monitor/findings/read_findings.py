@@ -208,9 +208,9 @@ def _since_baseline(
         )
     words = (
         f"In {count(len(rows), 'window')} of programs that were so in the normal period already"
-        f"{f', {where},' if where else ','} the torque of {name_axes(axes)} fits neither the model nor the first log: "
-        "a load at the flange that the robot file lacks, or a motion in which this torque is small, and no fault that "
-        f"came since. These windows are not judged; {mends}"
+        f"{f' ({where[3:]})' if where else ''}, the torque of {name_axes(axes)} fits neither the model nor the first "
+        "log: a load at the flange that the robot file lacks, or a motion in which this torque is small, and no fault "
+        f"that came since. These windows are not judged; {mends}"
     )
     return [{"time": float(statistics.start[rows[0]]), "axes": axes, "kind": SINCE, "words": words}]
 
