@@ -24,6 +24,7 @@ from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.carried import search_beside
 from jointwear.discovery.search.leftovers import lasting, unexplained
 from jointwear.discovery.search.links_known_less import links_in_words
+from jointwear.discovery.search.of_its_own import of_its_own
 from jointwear.discovery.search.outside_force import force_in_words
 from jointwear.discovery.search.recorded_in_time import coulomb_steps
 from jointwear.discovery.search.repeatability import repeat
@@ -188,7 +189,9 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
 def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_told: bool = False) -> Discovery:
     outcome = with_kept_sizes(repeat(search_beside(found), found.problem))
     problem = outcome.problem
-    outcome.unexplained = lasting(outcome) or rocking(outcome)
+    left = lasting(outcome)
+    outcome.unexplained = left or rocking(outcome)
+    own = of_its_own(outcome, left) or outcome.unexplained
     if outcome.force is not None and outcome.unexplained:
         restrictions = [*restrictions, force_in_words(outcome.force)]
     elif outcome.unexplained and not outcome.named and not zero_told:
@@ -197,6 +200,8 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_t
     final, files, torques = sound_files(problem, outcome)
     if in_training(final) == NONE:
         final, files, torques = unchanged_files(problem, final)
+    # No joint whose links others have bent is written as if it were known; told are those that lack something.
+    final.outcome.unexplained = [u for u in final.outcome.unexplained if u in own]
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)
     return Discovery(recording, content, final, seen, files, torques)

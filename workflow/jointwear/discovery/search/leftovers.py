@@ -36,7 +36,10 @@ def fit_again(outcome: Outcome) -> None:
 
 
 def unexplained(
-    outcome: Outcome, robust: bool = False, asked: Collection[tuple[int, str]] | None = None
+    outcome: Outcome,
+    robust: bool = False,
+    asked: Collection[tuple[int, str]] | None = None,
+    apart: Collection[int] = (),
 ) -> tuple[list[Unexplained], list[Unexplained]]:
     """Test every axis for structure over every argument.
 
@@ -46,6 +49,7 @@ def unexplained(
         the sampling does not resolve or where a shared drive that has a name is at rest, and no `assumed.BLOCK` of
         splines decide.
     asked : 0-based axes with the arguments that are tested there; default all.
+    apart : 0-based axes that say nothing of what all axes share.
 
     Returns
     -------
@@ -57,6 +61,8 @@ def unexplained(
     if robust:
         unknown = {axis: at_unresolved_steps(white, axis) | at_rest(outcome, axis) for axis in problem.judged}
         fit = without_outliers(fit, problem.settings.noise_sigmas, unknown)
+    if apart:
+        fit = _without_axes(fit, apart)
     settings = problem.settings
     found, profile = [], []
     for axis in problem.judged if asked is None else sorted({axis for axis, _ in asked}):
@@ -202,6 +208,13 @@ def lasting(outcome: Outcome) -> list[Unexplained]:
     asked = {(u.axis, u.argument) for u in outcome.unexplained}
     firm = {(u.axis, u.argument) for u in unexplained(outcome, robust=True, asked=asked)[0]}
     return [u for u in outcome.unexplained if (u.axis, u.argument) in firm]
+
+
+def _without_axes(fit: Fit, apart: Collection[int]) -> Fit:
+    """Return a fit to the targets of the other axes alone."""
+    targets = [np.zeros(0) if axis in apart else y for axis, y in enumerate(fit.targets)]
+    terms = [replace(t, blocks={a: x for a, x in t.blocks.items() if a not in apart}) for t in fit.terms]
+    return Fit(targets, [t for t in terms if t.blocks])
 
 
 def without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray] | None = None) -> Fit:
