@@ -9,6 +9,7 @@ from monitor_logs import columns, layout, make_log, model, write_parquet
 from jointwear.discovery.preflight import check_data
 from jointwear.files.errors import InputError
 from jointwear.measurement.checks.checked import checked
+from jointwear.measurement.checks.checks import check_recording
 from jointwear.measurement.checks.position_unit import check_position_unit
 from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import split
@@ -77,7 +78,7 @@ def test_radians_that_are_far_outside_the_limits_once_read_as_revolutions_are_to
     path = str(write_parquet(tmp_path / "log.parquet", table))
     with pytest.raises(Refused, match="look like radians") as refused:
         survey_log(path, layout(units={"position": "rev"}), model(), 12.0)
-    assert refused.value.suggestion == "state units: {position: rad}"
+    assert refused.value.suggestion.startswith("state units: {position: rad}")
 
 
 @pytest.mark.parametrize(("truth", "stated"), [("rad", "deg"), ("rad", "rev"), ("deg", "rad"), ("deg", "rev")])
@@ -135,3 +136,19 @@ def test_a_joint_in_radians_among_others_in_degrees_is_the_odd_one(tmp_path):
     path = str(write_parquet(tmp_path / "log.parquet", table))
     with pytest.raises(Refused, match="position of joint 2 looks like radians taken for degrees, those of the others"):
         survey_log(path, layout(units={"position": "deg"}), model(), 12.0)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "named"), [((0, 1, 2), "joints 1, 2 and 3"), ((3, 4, 5), "joints 4, 5 and 6"), ((3,), "joint 4")]
+)
+def test_joints_in_degrees_beside_others_in_radians_are_all_named(degrees, named):
+    """One key holds for all: of half of the joints in degrees it alone was advised, and read the others so too."""
+    robot = load_robot("config/robots/puma560.yaml")
+    recording = split(load_recording({"measured": EXAMPLE}, "arm"))
+    some = np.isin(np.arange(6), degrees)
+    mixed = replace(recording, position=np.where(some, np.degrees(recording.position), recording.position))
+    with pytest.raises(Refused) as refused:
+        check_recording(mixed, robot)
+    assert f"state units: {{position: deg}}; where the other joints are right, write {named} in their unit" in (
+        refused.value.suggestion
+    )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from jointwear.files.wording import count
+from jointwear.files.wording import count, numbered
 from jointwear.measurement.recording import Recording
 from jointwear.measurement.refused import FEWEST_OF_JOINT, Refused
 from jointwear.measurement.turns import turns_on
@@ -134,8 +134,9 @@ def _units(recording: Recording, robot: Robot, good: np.ndarray) -> None:
     for unit, share in _smaller_units(stated):
         if over.any() and np.mean(share * largest <= reach + 0.5) > 0.5 and largest.max() > 10:
             axis = int(np.argmax(largest / reach))
-            few = inside.sum() > over.sum()
-            alone = f"; where the other joints are right, write joint {axis + 1} in their unit" if few else ""
+            others = numbered("joint", np.flatnonzero(over) + 1)
+            # One key holds for all joints: following it, those that are right would be read in the smaller unit.
+            alone = f"; where the other joints are right, write {others} in their unit" if inside.any() else ""
             motors = _of_motors(largest, reach, robot) if stated == "rad" else ""
             read = "" if stated == "rad" else f" once they are read as {POSITION_WORDS.get(stated, stated)}"
             raise Refused(
