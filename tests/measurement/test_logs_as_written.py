@@ -273,3 +273,25 @@ def test_a_quotation_mark_that_is_not_closed_is_told_with_the_lines_that_it_take
         told.append(str(error))
     assert f"row {6 if lines > 1 else 5} has" in told[-1]
     assert f"not closed in its line takes {lines} more line{'s' * (lines > 1)} with it" in told[-1]
+
+
+@pytest.mark.parametrize(
+    "begun",
+    [
+        "time,position_1,torque_1",
+        "time,posi",
+        "t",
+        "Robot 7\ntime,position_1,torque_1",
+        "time,position_1,torque_1\ns,rad,Nm",
+    ],
+)
+@pytest.mark.parametrize("name", ["a.csv", "a.csv.gz"])
+def test_a_log_whose_header_is_just_being_written_holds_no_samples(tmp_path, begun, name):
+    """It was said to lack columns, which no logger mends: the fleet raised an alarm of a log that had just begun."""
+    path = tmp_path / name
+    path.write_bytes(gzip.compress(begun.encode()) if name.endswith("gz") else begun.encode())
+    with pytest.raises(InputError, match=f"{name}: holds no samples"):
+        one(path)
+    for ended in (f"{HEADER[0]},{HEADER[1]}\n", f"{HEADER[0]},{HEADER[1]}\n0.0,1.0"):
+        with pytest.raises(InputError, match="has no torque"):
+            one(write(tmp_path / "b.csv", [ended]))

@@ -125,7 +125,8 @@ def read(path: Path, layout: Layout, rows: int) -> Iterator[Chunk]:
         if torn.fault:
             raise InputError(torn.fault) from None
         first_line = next(iter(str(error).splitlines()), "unknown reason").rstrip(".")
-        if "Empty CSV" in first_line:
+        # The lines before the first row are skipped, which fails where the last of them has no end yet.
+        if "Empty CSV" in first_line or "Could not skip" in first_line:
             raise InputError(f"{path}: {NO_SAMPLES}") from None
         raise InputError(f"{path}: cannot be read as CSV ({first_line})") from None
 
@@ -316,7 +317,12 @@ def _numbers(path: Path, names: list[str], rows: list[list[str]], layout: Layout
 
 
 def _first_lines(path: Path) -> tuple[list[str], str]:
-    """Return the first lines and the encoding: UTF-8, or the code page that Western Windows writes."""
+    """Return the first lines and the encoding: UTF-8, or the code page that Western Windows writes.
+
+    Raises
+    ------
+    InputError : if the file is no text; if it holds a single line without a line end, which no sample follows.
+    """
     raw: list[bytes] = []
     try:
         with open_text(path) as file:
@@ -343,7 +349,11 @@ def _first_lines(path: Path) -> tuple[list[str], str]:
             text = whole.decode(encoding)
         except UnicodeDecodeError:
             continue
-        return text.splitlines(), "utf8" if encoding == "utf-8-sig" else encoding
+        lines = text.splitlines()
+        if lines == [text] and text.strip():
+            # Its logger has just begun it: half a header would be taken for one that lacks columns.
+            raise InputError(f"{path}: {NO_SAMPLES}")
+        return lines, "utf8" if encoding == "utf-8-sig" else encoding
     raise InputError(f"{path}: is not a text file in UTF-8")
 
 
