@@ -109,10 +109,27 @@ def test_what_was_read_as_missing_is_told(tmp_path):
     )
 
 
-def test_a_role_without_one_possible_number_is_named(tmp_path, table):
-    table["temperature"][:] = -280.0
+@pytest.mark.parametrize("empty", [np.nan, -999.0, 1e12])
+def test_a_role_without_one_possible_number_is_left_out_and_told(tmp_path, table, empty):
+    """The monitor took such a log, and discovery refused it."""
+    table["temperature"] = np.full(len(table["time"]), empty)
+    for joint in range(1, 7):
+        table[f"velocity_{joint}"] = np.full(len(table["time"]), empty)
     write_csv(tmp_path / "log.csv", table)
-    with pytest.raises(InputError, match="temperature holds no number that an arm can have"):
+    found = recording(tmp_path / "log.csv")
+    assert (found.velocity, found.temperature, found.missing) == (None, None, {})
+    assert found.unread == (
+        "the velocity holds no number that an arm can have and was left out; "
+        "the temperature holds no number that an arm can have and was left out"
+    )
+
+
+@pytest.mark.parametrize("role", ["position", "torque"])
+def test_a_position_or_torque_without_one_possible_number_is_named(tmp_path, table, role):
+    for joint in range(1, 7):
+        table[f"{role}_{joint}"] = np.full(len(table["time"]), np.nan)
+    write_csv(tmp_path / "log.csv", table)
+    with pytest.raises(InputError, match=f"{role} holds no number that an arm can have"):
         recording(tmp_path / "log.csv")
 
 

@@ -28,8 +28,8 @@ class Recording:
         or that of a "link_sensor" behind the gear. encoder_side : whether positions are of the "motor" or the "link".
     units : role -> unit that the config or the file states, for messages; the arrays are in the project's.
     factors : those of the config that the arrays are multiplied by, :class:`~jointwear.measurement.stated.Stated`.
-    missing : role -> numbers that were read as missing, as -999. unread : cells and torn rows that
-        were left out, in words.
+    missing : role -> numbers that were read as missing, as -999. unread : roles without a number, cells
+        and torn rows that were left out, in words.
     train, test : labels to learn from and to hold out; None takes the last fifth of the trajectories as test.
     """
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,15 @@ from jointwear.files import provenance
 from jointwear.files.errors import InputError
 from jointwear.files.storage import Variable, open_dataset, read_attribute, read_variable, write_dataset
 from jointwear.measurement.formats import layout_of, read_log
-from jointwear.measurement.formats.chunk import JOINT_ROLES, UNLABELLED, RowsLeftOut, joined, unread_in_words
+from jointwear.measurement.formats.chunk import (
+    JOINT_ROLES,
+    NEEDED,
+    UNLABELLED,
+    Chunk,
+    RowsLeftOut,
+    joined,
+    unread_in_words,
+)
 from jointwear.measurement.formats.netcdf import floats
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.possible import LARGEST_LABEL, check_clock
@@ -51,10 +60,8 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
             raise
         left_out = str(told).removeprefix(f"{path}: ")
     whole = joined(chunks)
-    for role in JOINT_ROLES:
-        values = getattr(whole, role)
-        if values is not None and not np.isfinite(values).any():
-            raise InputError(f"{path}: {role} holds no number that an arm can have")
+    whole, without = _without_empty(path, whole)
+    cells = unread_in_words(chunk.unread for chunk in chunks)
     check_clock(path, whole.time, whole.units.get("time", "s"))
     trajectory = np.zeros(len(whole.time), dtype=int) if whole.trajectory is None else whole.trajectory
     if (trajectory == UNLABELLED).any():
@@ -87,8 +94,24 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
         units=whole.units,
         factors=whole.factors,
         missing=whole.missing,
-        unread="; ".join(filter(None, (left_out, disordered, unread_in_words(chunk.unread for chunk in chunks)))),
+        unread="; ".join(filter(None, (*without, left_out, disordered, cells))),
     )
+
+
+def _without_empty(path: Path, whole: Chunk) -> tuple[Chunk, list[str]]:
+    """Return a log without the roles of which no value can be used, and what went in words.
+
+    Raises
+    ------
+    InputError : where it is the position or the torque, which nothing replaces.
+    """
+    empty = [r for r in JOINT_ROLES if (x := getattr(whole, r)) is not None and not np.isfinite(x).any()]
+    for role in empty:
+        if role in NEEDED:
+            raise InputError(f"{path}: {role} holds no number that an arm can have")
+    told = [f"the {role} holds no number that an arm can have and was left out" for role in empty]
+    missing = {role: numbers for role, numbers in whole.missing.items() if role not in empty}
+    return replace(whole, **dict.fromkeys(empty), missing=missing), told
 
 
 def _check_rises(path: Path, time: np.ndarray, trajectory: np.ndarray) -> None:
