@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 from discovery_cases import make_case, wave
+from monitor_logs import columns, make_log, write_csv
 
 from jointwear.discovery import Settings, posing
 from jointwear.discovery.pipeline import discover
@@ -15,7 +16,7 @@ from jointwear.discovery.preflight import check_data, write_check
 from jointwear.discovery.stages import discover_dataset
 from jointwear.files.errors import InputError
 from jointwear.measurement.recording import split
-from jointwear.measurement.recording_files import write_recording
+from jointwear.measurement.recording_files import load_recording, write_recording
 from jointwear.measurement.refused import Refused
 from jointwear.measurement.shortened import shortened
 
@@ -66,6 +67,19 @@ def test_the_check_and_discovery_refuse_in_the_same_words(case, tmp_path, units)
     refused, check = (json.loads((tmp_path / name).read_text()) for name in ("refused.json", "check.json"))
     assert refused["reason"] == check["refused"] != ""
     assert refused["suggestion"] == check["suggestion"] != ""
+
+
+def test_a_refusal_tells_what_was_left_out_of_the_file(robot, tmp_path):
+    """A quotation mark that is not closed took nearly all lines with it, and only the few that were left were told."""
+    log = make_log(20.0, rate=20.0)
+    lines = write_csv(tmp_path / "a.csv", columns(log)).read_text().splitlines()
+    torn = ",".join(['"', *lines[30].split(",")[1:-1]])
+    (tmp_path / "a.csv").write_text("\n".join([*lines[:30], torn, *lines[31:]]) + "\n")
+    with pytest.raises(Refused) as refused:
+        check_data(load_recording({"measured": str(tmp_path / "a.csv")}, "a"), robot)
+    assert str(refused.value).startswith("data set 'a': has 29 samples; at least 40 are needed (as it was read, row 31")
+    assert "more lines with it" in refused.value.reason
+    assert refused.value.suggestion == "record longer"
 
 
 def test_the_page_has_shares_in_percent_and_other_sizes_in_their_unit(case, robot, tmp_path):

@@ -12,6 +12,7 @@ from jointwear.discovery.settings import Settings
 from jointwear.measurement.behind_gears import felt_robot
 from jointwear.measurement.checks.checked import Checked, checked
 from jointwear.measurement.recording import Recording
+from jointwear.measurement.refused import telling
 from jointwear.measurement.shortened import shortened
 from jointwear.robots.robot import Robot
 
@@ -35,8 +36,14 @@ def pose_problem(recording: Recording, robot: Robot, settings: Settings) -> Pose
 
     Raises
     ------
-    Refused : an InputError with a suggestion, where the recording cannot belong to the robot as it stands.
+    Refused : an InputError with a suggestion, where the recording cannot belong to the robot as it stands; it tells
+        what was left out of the file as well.
     """
+    with telling(recording.unread):
+        return _posed(recording, robot, settings)
+
+
+def _posed(recording: Recording, robot: Robot, settings: Settings) -> Posed:
     check_groups(recording, settings.groups)
     recording, left_out = shortened(recording, keep_all=bool(settings.groups))
     robot, set_aside = felt_robot(recording, robot)

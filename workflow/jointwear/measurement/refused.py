@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from jointwear.files.errors import InputError
 
@@ -23,6 +24,27 @@ class Refused(InputError):
     def __init__(self, reason: str, suggestion: str, by_keys: bool = False, readings: Sequence[str] = ()) -> None:
         super().__init__(reason)
         self.reason, self.suggestion, self.by_keys, self.readings = reason, suggestion, by_keys, tuple(readings)
+
+
+@contextmanager
+def telling(left_out: str) -> Iterator[None]:
+    """Tell beside any refusal what was left out when the recording was read: it may be the cause.
+
+    Parameters
+    ----------
+    left_out : in words, empty where all was read.
+
+    Raises
+    ------
+    Refused : with what it suggests.
+    """
+    try:
+        yield
+    except Refused as error:
+        if not left_out:
+            raise
+        told = f"{error.reason} (as it was read, {left_out})"
+        raise Refused(told, error.suggestion, error.by_keys, error.readings) from None
 
 
 def what_mends(error: InputError) -> str:
