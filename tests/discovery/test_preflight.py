@@ -82,6 +82,12 @@ def test_a_refusal_tells_what_was_left_out_of_the_file(robot, tmp_path):
     assert refused.value.suggestion == "record longer"
 
 
+def test_motion_that_is_too_little_names_its_data_set(case, robot):
+    still = replace(case, position=np.tile(case.position[:1], (len(case.time), 1)), name="arm 7")
+    with pytest.raises(Refused, match=r"^data set 'arm 7': no axis moves"):
+        check_data(still, robot)
+
+
 def test_the_page_has_shares_in_percent_and_other_sizes_in_their_unit(case, robot, tmp_path):
     write_recording(split(case), tmp_path / "case.nc", {"dataset": "case"})
     page = tmp_path / "check.html"

@@ -49,5 +49,5 @@ def _posed(recording: Recording, robot: Robot, settings: Settings) -> Posed:
     robot, set_aside = felt_robot(recording, robot)
     read = checked(recording, robot)
     problem = build_with_motors(recording, robot, settings, read.measured)
-    of_motion = motion_restrictions(problem, recording.units.get("time", "s"))
+    of_motion = motion_restrictions(problem, f"data set '{recording.name}'", recording.units.get("time", "s"))
     return Posed(recording, problem, read, [*read.restrictions, *set_aside, *left_out, *of_motion])

@@ -25,7 +25,7 @@ FEW_RECORDS, APART = 5, 3.0
 TURNED = 0.1
 
 
-def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
+def motion_restrictions(problem: Problem, name: str, clock: str = "s") -> list[str]:
     """Return in words what these data and this robot file do not show.
 
     That is: which axes are at rest, which velocities were put right, what the temperature cannot tell, and of which
@@ -33,7 +33,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
 
     Parameters
     ----------
-    clock : unit that the time was read in.
+    name : of the data set, for messages. clock : unit that the time was read in.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def motion_restrictions(problem: Problem, clock: str = "s") -> list[str]:
         steps = np.diff(problem.measured.time)[np.diff(problem.measured.trajectory) == 0]
         unit = likely_unit(float(np.median(steps)) if len(steps) else None, clock)
         raise Refused(
-            "no axis moves for long enough to be judged",
+            f"{name}: no axis moves for long enough to be judged",
             "record motion of every joint, away from rest, for several seconds, 20 times a second or more; if that was "
             f"done, state the unit of the time, as units: {{time: {unit}}}",
             by_keys=True,
