@@ -2,7 +2,10 @@
 
 import pytest
 
-from jointwear.running.told_of import named_in_file
+from jointwear.files.errors import InputError
+from jointwear.running import told_of
+from jointwear.running.script import message_of
+from jointwear.running.told_of import lend_sources, named_in_file
 
 
 @pytest.fixture
@@ -36,3 +39,14 @@ def test_a_value_of_the_command_line_is_told_as_one(files):
 def test_what_no_file_holds_is_told_as_before(files, tmp_path):
     for message in ("config: 'discover.datasets.arm.train' is wrong", "no.nc: no such file", "config: empty"):
         assert named_in_file(message, [*files, tmp_path / "none.yaml"]) == message
+
+
+def test_a_job_names_the_file_that_the_key_came_from(files, monkeypatch):
+    """What jobs found was said of `config`, what the call found before them of the file."""
+    monkeypatch.setenv(told_of._SOURCES, "")
+    error = InputError("config: 'monitor.robots.arm.baseline' holds too little")
+    assert message_of(error) == f"jointwear: {error}"
+    lend_sources(files, {"crate": "old.zip", "trust": {"whom": "secret"}})
+    assert message_of(error) == f"jointwear: {files[0]}: 'monitor.robots.arm.baseline' holds too little"
+    assert message_of(InputError("config: 'crate' is old.zip")) == "jointwear: --config: 'crate' is old.zip"
+    assert "secret" not in told_of.os.environ[told_of._SOURCES]

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from importlib.abc import MetaPathFinder
 
 from jointwear.files.errors import InputError
+from jointwear.running.told_of import named_as_lent
 
 #: What the surroundings of a run refuse, not the program: OSErrors of these kinds are no defect to trace back.
 SURROUNDINGS = frozenset(
@@ -29,9 +30,12 @@ def with_suggestion(error: InputError) -> str:
 
 
 def message_of(error: BaseException) -> str | None:
-    """Return the one line that says what is wrong, None for an error that only a traceback explains."""
+    """Return the one line that says what is wrong, None for an error that only a traceback explains.
+
+    A key of the configuration comes with the file that holds it, as before the jobs.
+    """
     if isinstance(error, InputError):
-        return f"jointwear: {with_suggestion(error)}"
+        return f"jointwear: {named_as_lent(with_suggestion(error))}"
     if isinstance(error, OSError) and error.errno in SURROUNDINGS:
         return f"jointwear: {error.filename or 'a file'}: {error.strerror}"
     if isinstance(error, MemoryError):

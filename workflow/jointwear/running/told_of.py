@@ -1,10 +1,12 @@
-"""Which of several configuration files a message is about.
+"""Which of several configuration files a message is about, in jobs too, which know the values alone.
 
 Read by the Snakefile at every call: nothing heavy is imported here.
 """
 
 from __future__ import annotations
 
+import json
+import os
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -14,6 +16,33 @@ from jointwear.files.documents import read_yaml
 from jointwear.files.errors import InputError
 
 _KEY = re.compile(r"config: (?:unknown key )?'(?P<key>[^']+)'")
+
+#: Variable of the environment by which a call tells its jobs where their values come from.
+_SOURCES = "JOINTWEAR_CONFIGURATION"
+
+
+def lend_sources(files: Iterable[str | Path], given: Mapping[str, Any]) -> None:
+    """Tell the processes started from now on where the configuration comes from; of `given` the keys alone.
+
+    Parameters
+    ----------
+    files, given : as of :func:`named_in_file`.
+    """
+    os.environ[_SOURCES] = json.dumps({"files": [str(path) for path in files], "given": _keys(given)})
+
+
+def named_as_lent(message: str) -> str:
+    """Return :func:`named_in_file` of the sources that :func:`lend_sources` told of, the message itself without any."""
+    try:
+        told = json.loads(os.environ.get(_SOURCES, ""))
+        return named_in_file(message, told["files"], told["given"])
+    except (ValueError, TypeError, KeyError):
+        return message
+
+
+def _keys(values: Any) -> Any:
+    """Return mappings inside each other without what they hold, which may be long, or a secret."""
+    return {str(k): _keys(v) for k, v in values.items()} if isinstance(values, Mapping) else None
 
 
 def named_in_file(message: str, files: Iterable[str | Path], given: Mapping[str, Any] | None = None) -> str:
