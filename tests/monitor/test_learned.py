@@ -214,8 +214,10 @@ def test_a_model_that_follows_any_axis_worse_is_not_handed_on(logs, tmp_path, mo
 
 
 def test_too_short_a_baseline_is_refused(logs, tmp_path):
-    with pytest.raises(InputError, match=r"monitor\.robots\.arm.*holds 3 uninterrupted pieces"):
+    with pytest.raises(InputError, match=r"monitor\.robots\.arm\.baseline' holds 3 uninterrupted pieces .* a later"):
         learn_normal("arm", ENTRY, tmp_path, logs[:3])
+    with pytest.raises(InputError, match=r"holds 1 uninterrupted piece of motion"):
+        learn_normal("arm", ENTRY, tmp_path, logs[:1])
 
 
 def test_effects_that_follow_time_are_not_handed_on():

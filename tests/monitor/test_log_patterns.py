@@ -64,9 +64,16 @@ def test_names_in_any_script_are_sorted(folder):
     assert len(find_logs(["log_*.csv"])) == len(names)
 
 
-@pytest.mark.parametrize("length", [1e-320, 0.5, 1e12, "0.0001s", "9" * 400 + "h", "99999d", float("inf")])
-def test_a_window_has_a_length_that_an_arm_lives(length):
-    with pytest.raises(InputError, match=r"out of range \(allowed: 1 s to 3650 d\)"):
+@pytest.mark.parametrize(
+    ("length", "near"),
+    [
+        (1e-320, "1s"), (0.5, "1s"), (1e12, "3650d"), ("0.0001s", "1s"), ("9" * 400 + "h", "3650d"),
+        ("99999d", "3650d"), (float("inf"), "3650d"),
+    ],
+)  # fmt: skip
+def test_a_window_has_a_length_that_an_arm_lives(length, near):
+    said = rf"out of range \(allowed: 1 s to 3650 d\); the nearest valid value is {near}$"
+    with pytest.raises(InputError, match=said):
         window_seconds(length)
 
 

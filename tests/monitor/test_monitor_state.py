@@ -59,6 +59,7 @@ def test_baselines(monitored):
     waiting = choose_baseline(statistics, {"windows": 200})
     assert not waiting.complete
     assert "nothing is judged until 140 more have come" in waiting.words
+    assert "until 1 more has come" in choose_baseline(statistics, {"windows": HOURS + 1}).words
     day = choose_baseline(statistics.part(np.arange(HOURS) < 7), {"until": "2026-01-02T00:00:00Z"})
     assert not day.complete
     future = choose_baseline(statistics, {"until": "2027-01-01T00:00:00Z"})

@@ -38,7 +38,11 @@ def window_seconds(text: str | float) -> float:
                 f"{shown(text)} is no length of time (allowed: a number with s, min, h or d, as 1h){_meant(text)}"
             ) from None
     if not SHORTEST <= length <= LONGEST:
-        raise InputError(f"{shown(text)} is out of range (allowed: {SHORTEST:g} s to {LONGEST / 86400:g} d)")
+        near = f"{LONGEST / 86400:g}d" if length > LONGEST else f"{SHORTEST:g}s"
+        raise InputError(
+            f"{shown(text)} is out of range (allowed: {SHORTEST:g} s to {LONGEST / 86400:g} d); the nearest valid "
+            f"value is {near}"
+        )
     return length
 
 

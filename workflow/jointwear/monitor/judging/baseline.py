@@ -107,9 +107,10 @@ def choose_baseline(statistics: WindowStatistics, given: Mapping[str, Any]) -> B
     asked = int(given.get("windows", 0))
     mask = asked_for(statistics.start, statistics.end, begin, until, asked)
     if until is None and mask.sum() < asked:
+        more = asked - int(mask.sum())
         words = (
-            f"The baseline asks for {asked} windows, the logs fill {int(mask.sum())}: nothing is judged until "
-            f"{asked - int(mask.sum())} more have come."
+            f"The baseline asks for {count(asked, 'window')}, the logs fill {int(mask.sum())}: nothing is judged until "
+            f"{more} more {'has' if more == 1 else 'have'} come."
         )
         return Baseline(mask, False, words)
     if _enough(statistics, mask):

@@ -16,10 +16,11 @@ from jointwear.files.errors import InputError
 from jointwear.files.json_documents import write_json
 from jointwear.files.json_values import six_digits
 from jointwear.files.text_files import replace_text
+from jointwear.files.wording import count
 from jointwear.measurement.derived.motion import Measured, measure
 from jointwear.measurement.formats import layout_of
 from jointwear.monitor.found_logs import find_logs
-from jointwear.monitor.learned.gather import Piece, baseline_pieces
+from jointwear.monitor.learned.gather import SHORTEST, Piece, baseline_pieces
 from jointwear.monitor.learned.programs import programs_of
 from jointwear.monitor.learned.selection import FEWEST_PIECES, choose, recording_of
 from jointwear.monitor.learned_model import learnt_from
@@ -108,8 +109,9 @@ def _by_program(pieces: Sequence[Piece], refused: Sequence[str], name: str) -> l
     if len(pieces) < FEWEST_PIECES:
         why = f" ({refused[0]})" if refused else ""
         raise InputError(
-            f"config: 'monitor.robots.{name}': the baseline holds {len(pieces)} uninterrupted pieces of motion, "
-            f"{FEWEST_PIECES} are needed to learn from{why}"
+            f"config: 'monitor.robots.{name}.baseline' holds {count(len(pieces), 'uninterrupted piece')} of motion, "
+            f"{FEWEST_PIECES} are needed to learn from{why}; let it reach over more of the logs, by more 'windows' or "
+            f"a later 'until': each window gives one piece, of {SHORTEST:g} s or more without a gap"
         )
     label = programs_of([p.chunk.position for p in pieces])
     groups = [[p for p, k in zip(pieces, label, strict=True) if k == program] for program in range(label.max() + 1)]
