@@ -156,12 +156,15 @@ def test_only_plain_digits_number_a_column(tmp_path, table, name):
             read(tmp_path / "log.csv")
 
 
-@pytest.mark.parametrize("label", [1e300, -1e300, 2.0**31, 0.5])
-def test_a_label_of_a_trajectory_is_a_whole_number_that_can_be_stored(tmp_path, table, label):
+@pytest.mark.parametrize(
+    ("label", "said"),
+    [(1e300, "1e.300"), (-1e300, "-1e.300"), (2.0**31, "2147483648"), (0.5, "0.5"), (np.nan, "no number")],
+)
+def test_a_label_of_a_trajectory_is_a_whole_number_that_can_be_stored(tmp_path, table, label, said):
     table["trajectory"] = np.zeros(len(table["time"]))
     table["trajectory"][3:] = label
     write_csv(tmp_path / "log.csv", table)
-    with pytest.raises(InputError, match="whole numbers of at most 2147483647; that of sample 4 is none"):
+    with pytest.raises(InputError, match=f"whole numbers of at most 2147483647; sample 4 holds {said}$"):
         recording(tmp_path / "log.csv")
     assert chunk(tmp_path / "log.csv").trajectory.max() < 2**31
 

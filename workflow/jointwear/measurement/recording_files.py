@@ -67,8 +67,9 @@ def load_recording(entry: Mapping[str, Any], name: str = "recording", root: str 
     if (trajectory == UNLABELLED).any():
         label = (entry.get("variables") or {}).get("trajectory", "trajectory")
         row = int(np.argmax(trajectory == UNLABELLED))
+        value = next(chunk.no_label for chunk in chunks if chunk.no_label)
         raise InputError(
-            f"{path}: '{label}' must hold whole numbers of at most {LARGEST_LABEL}; that of sample {row + 1} is none"
+            f"{path}: '{label}' must hold whole numbers of at most {LARGEST_LABEL}; sample {row + 1} holds {value}"
         )
     whole, trajectory, disordered = rows_in_order(whole, trajectory)
     _check_rises(path, whole.time, trajectory)

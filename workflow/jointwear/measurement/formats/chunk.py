@@ -44,7 +44,8 @@ class Chunk:
     unit that the config or the log states, as :data:`~jointwear.measurement.units.UNITS` spells it. `factors`: those
     of the config that the arrays are multiplied by already, :class:`~jointwear.measurement.stated.Stated`. `missing`:
     role -> values that were read as missing. `unread`: how many rows held a cell that cannot be read, which was left
-    out, and the first of them in words. `none_such`: how many rows have a time that does not exist in the zone of the
+    out, and the first of them in words. `no_label`: what the log has in place of the first label that is none, in
+    words. `none_such`: how many rows have a time that does not exist in the zone of the
     log, NaN, and the first of them in words.
     """
 
@@ -62,6 +63,7 @@ class Chunk:
     missing: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     unread: tuple[int, str] = (0, "")
     none_such: tuple[int, str] = (0, "")
+    no_label: str = ""
 
 
 #: What a chunk has for each of its samples.
@@ -74,7 +76,7 @@ def rows_of(chunk: Chunk, chosen: slice | np.ndarray) -> Chunk:
 
 
 def joined(chunks: Sequence[Chunk], fill: bool = False) -> Chunk:
-    """Return the chunks of one log that follow each other as one; `unread` and `none_such` are not kept.
+    """Return the chunks of one log that follow each other as one; `unread`, `no_label` and `none_such` are not kept.
 
     Parameters
     ----------
@@ -327,14 +329,18 @@ def make_chunk(
     for role in JOINT_ROLES:
         if role in found:
             found[role] = _of_joints(path, role, found[role], count, axes, layout)
-    trajectory = found.pop("trajectory", None)
+    trajectory, no_label = found.pop("trajectory", None), ""
     if trajectory is not None:
         with np.errstate(invalid="ignore"):
             known = (trajectory == np.round(trajectory)) & (np.abs(trajectory) <= LARGEST_LABEL)
+        if not known.all():
+            value = float(trajectory[np.argmin(known)])
+            no_label = "no number" if np.isnan(value) else f"{value:.10g}"
         trajectory = np.where(known, trajectory, UNLABELLED).astype(np.int64)
     program = with_log_name(path, layout, values.get("program"), count)
     said = {"units": stated, "factors": factors}
-    return Chunk(**found, trajectory=trajectory, program=program, dated=dated, missing=missing, **said)
+    labels = {"trajectory": trajectory, "no_label": no_label}
+    return Chunk(**found, **labels, program=program, dated=dated, missing=missing, **said)
 
 
 def _check_apart(path: Path, role: str, apart: list[str], layout: Layout) -> None:
