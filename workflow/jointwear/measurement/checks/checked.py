@@ -18,6 +18,7 @@ from jointwear.measurement.checks.mounting import check_mounting
 from jointwear.measurement.checks.other_zero import check_axes_and_zero, zero_in_words
 from jointwear.measurement.checks.position_unit import check_position_unit, check_reach
 from jointwear.measurement.checks.silent_joints import moving_torques, silence_in_words
+from jointwear.measurement.checks.some_in_radians import check_units_alike
 from jointwear.measurement.checks.time_scale import check_time_scale
 from jointwear.measurement.checks.torque_follows import check_follows
 from jointwear.measurement.checks.torque_scale import check_scale, check_scale_of_one, thinned, torque_factors
@@ -72,6 +73,7 @@ def checked(recording: Recording, robot: Robot) -> Checked:
     check_torque_has_sign(recording.torque, measured, robot, name)
     thin = thinned(measured)
     check_position_unit(thin, robot, name, recording.units.get("position", ""))
+    check_units_alike(thin, robot, name, recording.units.get("position", ""))
     # A torque in another unit looks like that of a motor or of another joint, which is asked next.
     factors = torque_factors(recording, robot, measured)
     restrictions += check_scale(factors)

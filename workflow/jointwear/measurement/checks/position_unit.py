@@ -48,17 +48,29 @@ def check_reach(position: np.ndarray, robot: Robot, name: str) -> None:
         )
 
 
-def left_as_read(measured: Measured, robot: Robot, unit: float = 1.0) -> np.ndarray:
-    """Return the share of the squared torque of each axis (n,) that the motion in a unit [rad] leaves."""
+def left_as_read(measured: Measured, robot: Robot, unit: float | np.ndarray = 1.0) -> np.ndarray:
+    """Return the share of the squared torque of each axis (n,) that the motion in a unit [rad] leaves; or in one for
+    each joint, (n,)."""
     motion = [unit * x for x in (measured.position, measured.velocity, measured.acceleration)]
     return explained(Dynamics(robot), np.stack([*motion, np.nan_to_num(measured.torque)], axis=1), measured.usable)
 
 
-def _largest(measured: Measured) -> np.ndarray:
+def largest_positions(measured: Measured) -> np.ndarray:
     """Return the size of the position of each axis (n,) that nearly all samples keep to."""
     if not len(measured.position):
         return np.zeros(measured.position.shape[1])
     return np.quantile(np.nan_to_num(np.abs(measured.position)), NEARLY_ALL, axis=0)
+
+
+def fits_far_better(left: np.ndarray, as_read: np.ndarray) -> bool:
+    """Return whether a reading that leaves shares (n,) fits far better than one that leaves `as_read` (n,)."""
+    return bool(np.sum(as_read > FAR_LESS * left) >= TELLING and not np.any(left > FAR_LESS * as_read))
+
+
+def unlikely(left: np.ndarray) -> float:
+    """Return what readings that leave shares (n,) are compared by: axes that friction turns fit in any unit, and what
+    all leave together tells the right one."""
+    return float(np.nansum(np.log(np.maximum(left, LEAST))))
 
 
 def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, float] | None:
@@ -71,7 +83,7 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
     """
     sizes = sizes_of("position")
     reach = np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
-    largest = _largest(measured)
+    largest = largest_positions(measured)
     as_stated: np.ndarray | None = None
     found: list[tuple[float, str, float]] = []
     for unit, size in sizes.items():
@@ -82,10 +94,8 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
         if not np.isfinite(as_stated).any():
             return None
         left = left_as_read(measured, robot, factor)
-        telling = np.sum(as_stated > FAR_LESS * left) >= TELLING and not np.any(left > FAR_LESS * as_stated)
-        if telling and np.nanmedian(left) < RIGHT:
-            # Axes that friction turns fit in any unit; what all leave together tells the right one.
-            found.append((float(np.nansum(np.log(np.maximum(left, LEAST)))), unit, float(np.nanmedian(left))))
+        if fits_far_better(left, as_stated) and np.nanmedian(left) < RIGHT:
+            found.append((unlikely(left), unit, float(np.nanmedian(left))))
     return min(found)[1:] if found else None
 
 
@@ -110,7 +120,7 @@ def check_position_unit(measured: Measured, robot: Robot, name: str, stated: str
     Refused : with the unit to state.
     """
     stated = stated or "rad"
-    largest = _largest(measured)
+    largest = largest_positions(measured)
     if stated == "rad" and not np.any(largest > BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper))):
         return
     found = better_unit(measured, robot, stated)
