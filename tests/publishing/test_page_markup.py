@@ -14,8 +14,9 @@ import yaml
 from html_page import Page
 from small_experiment import ROOT, compute, small_config
 
+from jointwear.files import shown_numbers as numbers
 from jointwear.files.errors import InputError
-from jointwear.publishing.report import numbers, rendering
+from jointwear.publishing.report import rendering
 from jointwear.publishing.report.assembly import assemble
 from jointwear.publishing.report.page import other_pages
 from jointwear.reproduction import readings

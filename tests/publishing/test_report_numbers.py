@@ -10,12 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from jointwear.files import shown_numbers as numbers
 from jointwear.files.json_values import as_json
+from jointwear.files.shown_numbers import with_std
 from jointwear.files.storage import Variable, read_variables, write_dataset
-from jointwear.publishing.report import detection_rates, drivers, numbers
+from jointwear.publishing.report import detection_rates, drivers
 from jointwear.publishing.report.assembly import assumptions, paper_facts
 from jointwear.publishing.report.figure_scores import score_components
-from jointwear.publishing.report.numbers import with_std
 from jointwear.publishing.report.result_tables import lag_verdict, score_detection, score_values
 from jointwear.publishing.report.torque_limits import limit_use
 from jointwear.reproduction.published import load_published

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from jointwear.publishing.report import drivers, numbers, origin, wording
+from jointwear.files import shown_numbers as numbers
+from jointwear.publishing.report import drivers, origin, wording
 from jointwear.publishing.report.first_screen import claims, left_out
 from jointwear.publishing.report.inline import inline_svg
 from jointwear.publishing.report.page import read_chapter

@@ -26,6 +26,7 @@ from jointwear.discovery.undecided import NUMERICAL, reason
 from jointwear.effects import check_effects, get_effect
 from jointwear.files.errors import InputError
 from jointwear.files.json_values import as_json, six_digits
+from jointwear.files.shown_numbers import number
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks.checked import Checked
@@ -34,7 +35,6 @@ from jointwear.measurement.recording import Recording, split
 from jointwear.measurement.recording_files import load_recording
 from jointwear.measurement.refused import what_mends
 from jointwear.measurement.units import POSITION_WORDS, spelled
-from jointwear.publishing.report.numbers import number
 from jointwear.publishing.report.rendering import render_page
 from jointwear.robots.robot import Robot, load_robot
 

@@ -17,11 +17,11 @@ from jointwear.discovery.problem.regimes import (
     residual_by_regime,
 )
 from jointwear.files.json_documents import read_json
+from jointwear.files.shown_numbers import number
 from jointwear.files.storage import open_dataset, read_variables
 from jointwear.measurement.clock import GAP
 from jointwear.publishing.figures import palette
 from jointwear.publishing.figures.style import new_figure, save
-from jointwear.publishing.report.numbers import number
 
 MODELS = ("nominal", "retuned", "augmented")
 

@@ -12,10 +12,10 @@ from jointwear.discovery.search.rocking import SWING
 from jointwear.effects import library
 from jointwear.files.documents import read_yaml
 from jointwear.files.json_documents import read_json
+from jointwear.files.shown_numbers import number, percent, with_std
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import digits_apart, listed, numbered
 from jointwear.publishing.report.inline import inline_svg
-from jointwear.publishing.report.numbers import number, percent, with_std
 from jointwear.publishing.report.rendering import render_page
 
 _WORDS = {

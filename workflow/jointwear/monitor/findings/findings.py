@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from jointwear.files.shown_numbers import fixed
 from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.events import Event
 from jointwear.monitor.findings.loud import loud_findings
@@ -23,7 +24,6 @@ from jointwear.monitor.watching.decision import NORMAL
 from jointwear.monitor.watching.scale import FEWEST_TOGETHER, ScaleStep
 from jointwear.monitor.watching.shared_error import FINDING
 from jointwear.monitor.watching.watching import Watch
-from jointwear.publishing.report.numbers import fixed
 
 #: An alarm this many shifts after a scale changed may be of the same cause: it takes two shifts to raise one.
 WITH_SCALE = 2

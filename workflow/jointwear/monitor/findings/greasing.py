@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.shown_numbers import fixed
 from jointwear.files.wording import name_axes
 from jointwear.monitor.normal.conditions import SAME
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.monitor.watching.watching import Watch
-from jointwear.publishing.report.numbers import fixed
 
 #: Kind of the finding.
 GREASED = "greased"

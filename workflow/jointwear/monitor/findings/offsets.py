@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.shown_numbers import number
 from jointwear.files.wording import name_axes
 from jointwear.monitor.findings.spells import spell_finding, spells
 from jointwear.monitor.reading.after_baseline import after_baseline
 from jointwear.monitor.reading.regimes import beyond_usual, programs_or_one
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.publishing.report.numbers import number
 from jointwear.statistics.known import known_median
 
 #: Kind of the finding.

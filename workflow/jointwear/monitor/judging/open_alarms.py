@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.shown_numbers import fixed
 from jointwear.files.wording import listed, name_axes
 from jointwear.monitor.events import Event
 from jointwear.monitor.reading.windows import WindowStatistics
@@ -15,7 +16,6 @@ from jointwear.monitor.watching.limits import COULOMB, VISCOUS, in_sentence
 from jointwear.monitor.watching.present import now_windows
 from jointwear.monitor.watching.records import DETECTORS
 from jointwear.monitor.watching.watching import Watch
-from jointwear.publishing.report.numbers import fixed
 
 #: Kinds of the findings: on an open alarm, and on growth for which none had been raised yet.
 OPEN_ALARM, GROWN_BEFORE = "open_alarm", "grown_before"

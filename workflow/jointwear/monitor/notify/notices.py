@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from datetime import tzinfo
 from typing import Any
 
+from jointwear.files.shown_numbers import fixed, number
 from jointwear.monitor.local_time import duration, log_time, with_local_times
 from jointwear.monitor.presentation.words import anew_words, change_words, event_words, outlook_words, until_words
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS, in_sentence
 from jointwear.monitor.watching.records import DETECTORS
-from jointwear.publishing.report.numbers import fixed, number
 
 
 @dataclass(frozen=True)

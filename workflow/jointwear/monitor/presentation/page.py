@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.shown_numbers import span as span_of
 from jointwear.files.text_files import replace_text
 from jointwear.files.wording import count, name_axes
 from jointwear.measurement.flags import FLAG_WORDS, HARMLESS, Flag
@@ -42,7 +43,6 @@ from jointwear.monitor.presentation.words import row_words, sure_percent, sure_w
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.present import NOW, now_windows
 from jointwear.publishing.report.inline import inline_svg
-from jointwear.publishing.report.numbers import span as span_of
 from jointwear.publishing.report.rendering import render_page
 
 #: Findings that are not folded away, beside those that ask for an answer.

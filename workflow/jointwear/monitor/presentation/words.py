@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from datetime import tzinfo
 from typing import Any
 
+from jointwear.files.shown_numbers import fixed, number
 from jointwear.monitor.local_time import duration, local_day, log_time, with_local_times
 from jointwear.monitor.presentation.advice import advice
 from jointwear.monitor.presentation.condition import (
@@ -20,7 +21,6 @@ from jointwear.monitor.presentation.condition import (
 )
 from jointwear.monitor.watching.backlash import BACKLASH
 from jointwear.monitor.watching.limits import COULOMB, VISCOUS
-from jointwear.publishing.report.numbers import fixed, number
 
 #: What is said in place of the level of an axis without an alarm whose friction is over the limit all the same.
 OVER = "over the limit, no alarm"

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from jointwear.files.shown_numbers import number
 from jointwear.measurement.derived.even_steps import steps_in
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.reading.after_baseline import after_baseline
@@ -29,7 +30,6 @@ from jointwear.monitor.reading.model import ModelTorque
 from jointwear.monitor.reading.regimes import USUAL, beyond_usual, programs_or_one
 from jointwear.monitor.reading.torque_lag import normalised, nuisances
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.publishing.report.numbers import number
 from jointwear.robots.dynamics import Dynamics
 from jointwear.statistics.known import known_median, known_rms
 

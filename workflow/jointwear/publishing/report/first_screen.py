@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from jointwear.files.shown_numbers import fixed, number, percent
 from jointwear.files.wording import count
-from jointwear.publishing.report.numbers import fixed, number, percent
 from jointwear.publishing.report.wording import FIGURE_SCORES
 from jointwear.reproduction.verdicts import AGREES, CLOSE, NOT_COMPARABLE
 

@@ -16,9 +16,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, meta
 from markupsafe import Markup
 
+from jointwear.files import shown_numbers as numbers
 from jointwear.files.digests import digest
 from jointwear.files.wording import count
-from jointwear.publishing.report import numbers
 
 TEMPLATES = Path(__file__).resolve().parents[4] / "report"
 

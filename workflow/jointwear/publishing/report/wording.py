@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from jointwear.files.shown_numbers import number, percent
 from jointwear.files.wording import count
-from jointwear.publishing.report.numbers import number, percent
 from jointwear.reproduction.verdicts import AGREES, CLOSE, DIFFERS, NOT_COMPARABLE
 
 Statement = dict[str, str]

@@ -1,4 +1,4 @@
-"""Numbers as text, the same way everywhere in the report."""
+"""Numbers as text, the same way on every page and in every message."""
 
 from __future__ import annotations
 
