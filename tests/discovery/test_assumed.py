@@ -57,6 +57,7 @@ OTHERS = {
         noise.SETTLE sound_links.ENOUGH sound_links.NOTHING structure.STILL
         base.BELOW base.STILL_BELOW references.FINEST references.DIGITS curvature.LEAST_SPREAD
         curvature.LARGEST_SPREAD largest_torque.LEAST_MOTION identifiability.RIDGE linear.FREE whitening.TOLD
+        leftovers.LEAST_P
     """,
     "half, which is most of something, or no price at all": """
         changing_size.CHANGING decide.LIKELY left_out.UNTOLD standing_alone.MOST saturated.SEEN shaken.DERIVED

@@ -25,6 +25,8 @@ from jointwear.discovery.structure import Basis
 LINE = "line over time"
 #: Constant speeds of one joint that are left out, one after the other, each with a wave of its own.
 SPEEDS = 4
+#: Least p-value that is told: below, a number is rounded to zero.
+LEAST_P = 1e-300
 #: Shares of the largest from which a column of a basis, and a sample by its columns, tells where structure sits.
 STRONG, NEAR = 0.7, 0.5
 
@@ -77,7 +79,7 @@ def unexplained(
             rows = white.whiteners[axis].rows
             low, high = _where(basis, seen, rows)
             share = (high - low) / max(float(np.ptp(basis.values[rows])), 1e-300)
-            entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, 1e-300), nats, share)
+            entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, LEAST_P), nats, share)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
                 theta = least_squares(b, gram, seen.full)
@@ -90,7 +92,7 @@ def unexplained(
             continue
         line = _line(white, fit, axis)
         if line is not None:
-            p, end = max(line.p_value, 1e-300), line.frequency + abs(line.rate)
+            p, end = max(line.p_value, LEAST_P), line.frequency + abs(line.rate)
             entry = Unexplained(axis, LINE, "Hz", line.frequency, end, p, line.power)
             profile.append(entry)
             if _line_matters(white, axis, line, least):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from jointwear.discovery.estimates.outcome import Outcome, Unexplained
-from jointwear.discovery.search.leftovers import unexplained
+from jointwear.discovery.search.leftovers import LEAST_P, unexplained
 from jointwear.discovery.search.slow_noise import slower_noise
 
 
@@ -15,16 +15,19 @@ def of_its_own(outcome: Outcome, found: list[Unexplained]) -> list[Unexplained]:
     All axes share the links. What one lacks by ten times its noise bends them, and the others then lack what bent links
     would have to do there. So each is asked again in a fit in which the others that stay unexplained say nothing of the
     links; what is left of it may be noise that is slower than was told, which much larger structure had hidden. The
-    axis with most evidence, that of the first of `found`, keeps all that it lacks.
+    axis with most evidence of its own, else that of the first of `found`, keeps all that it lacks.
     """
     axes = {u.axis for u in found}
     if len(axes) < 2:
         return found
-    most, own = found[0].axis, [u for u in found if u.axis == found[0].axis]
-    for axis in sorted(axes - {most}):
+    own: list[Unexplained] = []
+    for axis in sorted(axes):
         asked = {(u.axis, u.argument) for u in found if u.axis == axis}
         own += unexplained(outcome, True, asked, axes - {axis})[0]
+    most = max(own, key=lambda u: u.nats, default=found[0]).axis
     slower = slower_noise(replace(outcome, unexplained=own)) or outcome.white.whiteners
-    noise = {axis for axis in axes - {most} if slower[axis] is not outcome.white.whiteners[axis]}
+    # What is surer than a number can say is no noise.
+    sure = {u.axis for u in own if u.p_value <= LEAST_P} | {most}
+    noise = {axis for axis in axes - sure if slower[axis] is not outcome.white.whiteners[axis]}
     kept = {(u.axis, u.argument) for u in own if u.axis not in noise}
-    return [u for u in found if (u.axis, u.argument) in kept]
+    return [u for u in found if u.axis == most or (u.axis, u.argument) in kept]
