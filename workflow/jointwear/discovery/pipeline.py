@@ -200,7 +200,7 @@ def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_t
     final, files, torques = sound_files(problem, outcome)
     if in_training(final) == NONE:
         final, files, torques = unchanged_files(problem, final)
-    # No joint whose links others have bent is written as if it were known; told are those that lack something.
+    # In the files a joint whose links others have bent counts as unexplained; told are those that lack something.
     final.outcome.unexplained = [u for u in final.outcome.unexplained if u in own]
     seen = identifiability(outcome.white, outcome.dictionary)
     content = make_verdict(recording.name, final, seen, torques, restrictions)

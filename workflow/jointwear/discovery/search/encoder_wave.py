@@ -31,5 +31,4 @@ def encoder_wave(outcome: Outcome, one: Named) -> float | None:
     square = state.velocity[:, axis] ** 2
     usual = float(np.mean(square[outcome.problem.usable[:, axis]]))
     x = white.columns(axis, state.waves_of(axis, waves) * (square / usual)[:, None])
-    place = place_of(outcome, one)
-    return place.lead(axis, x, *place.without.gram({axis: x}))
+    return place_of(outcome, one).lead_of(axis, x)

@@ -69,6 +69,10 @@ class Place:
     own: float
     needed: float
 
+    def lead_of(self, axis: int, columns: np.ndarray) -> float | None:
+        """Return :meth:`lead` of whitened columns (m, k) of one axis alone."""
+        return self.lead(axis, columns, *self.without.gram({axis: columns}))
+
     def lead(self, axis: int, columns: np.ndarray, b: np.ndarray, gram: np.ndarray, least: float = 0.0) -> float | None:
         """Return by how many nats whitened columns of one axis, with `b` and `gram` of the fit `without`, are ahead of
         the name; None where it is no more than `least`, or they explain as much beside the name."""

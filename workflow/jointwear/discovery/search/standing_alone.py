@@ -30,6 +30,12 @@ from jointwear.files.wording import digits_apart, numbered, significant
 #: Share of the squared error beyond the noise from which an effect is more of what an axis lacks than all else
 #: together: half, by what the word means.
 MOST = 0.5
+#: By how many nats a wave that grows with the square of something is ahead of one whose height does not, of what it is
+#: the square, and what makes it.
+_STEEPER_WAVES = (
+    (encoder_wave, "speed", "an encoder that is off by a wave makes of a controller that follows it"),
+    (steeper_wave, "torque", "an inductance that changes with the angle makes of a current"),
+)
 
 
 def stand_alone(outcome: Outcome) -> None:
@@ -88,22 +94,15 @@ def _acts_on_two(outcome: Outcome, one: Named) -> str | None:
 
 def _unsteady(outcome: Outcome, one: Named) -> str | None:
     """Say of an effect that is not the same at all times, or speeds, that it is not; `outcome` notes it."""
-    ahead, steeper = encoder_wave(outcome, one), steeper_wave(outcome, one)
-    spread = changing(outcome, one) if ahead is None and steeper is None else None
-    if ahead is None and steeper is None and spread is None:
+    steeper = [(nats, of, cause) for ask, of, cause in _STEEPER_WAVES if (nats := ask(outcome, one)) is not None]
+    spread = None if steeper else changing(outcome, one)
+    if not steeper and spread is None:
         return None
     outcome.unsteady.add(one.candidate.key)
-    if spread is not None:
-        return f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
-    if steeper is not None and (ahead is None or steeper > ahead):
-        return (
-            f"it grows with the square of the torque, which explains {steeper:.0f} nats more: so does what iron that "
-            "saturates, or an inductance that changes with the angle, makes of a current"
-        )
-    return (
-        f"it grows with the square of the speed, which explains {ahead:.0f} nats more: so does what an encoder that is "
-        "off by a wave makes of a controller that follows it"
-    )
+    if steeper:
+        nats, of, cause = max(steeper)
+        return f"it grows with the square of the {of}, which explains {nats:.0f} nats more: so does what {cause}"
+    return f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
 
 
 def _in_its_place(outcome: Outcome, one: Named) -> str | None:

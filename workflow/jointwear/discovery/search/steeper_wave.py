@@ -1,4 +1,5 @@
-"""Waves over the angle of a motor whose height grows faster than its torque: of iron, not of a torque constant."""
+"""Waves over the angle of a motor whose height grows faster than its torque: of reluctance, not of a torque
+constant."""
 
 from __future__ import annotations
 
@@ -14,11 +15,10 @@ def steeper_wave(outcome: Outcome, one: Named) -> float | None:
     """Return the nats by which a wave that grows with the square of the torque is ahead of a ripple of the torque
     constant, or None.
 
-    The torque of a motor whose inductance changes with its angle is (di/dt and current)^2 dL/dtheta / 2, that of a
-    magnet on teeth that saturate grows faster than the current too (Krishnan 2009, sections 1.2 and 9.2). A ripple of
-    the torque constant is in proportion to the torque. The two differ by the loads that a joint carries, and a ripple
-    stands in for most of the other at loads of one size. Ahead it has to be as for
-    :func:`.in_its_place.better_in_its_place`, and must not explain as much beside the name.
+    Where the inductance L of a winding changes with the angle of the motor, a current i makes a torque of
+    i^2 (dL/dtheta) / 2, the derivative of its coenergy. A ripple of the torque constant is in proportion to the torque.
+    The two differ by the loads that a joint carries, and a ripple stands in for most of the other at loads of one size.
+    Ahead it has to be as for :func:`.in_its_place.better_in_its_place`, and must not explain as much beside the name.
     """
     candidate, white = one.candidate, outcome.white
     if candidate.effect == LINK_MASS:
@@ -32,5 +32,4 @@ def steeper_wave(outcome: Outcome, one: Named) -> float | None:
     if usual <= 0:
         return None
     x = white.columns(axis, raw_columns(white, candidate) * (torque / usual)[:, None])
-    place = place_of(outcome, one)
-    return place.lead(axis, x, *place.without.gram({axis: x}))
+    return place_of(outcome, one).lead_of(axis, x)
