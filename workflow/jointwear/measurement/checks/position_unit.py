@@ -73,6 +73,11 @@ def unlikely(left: np.ndarray) -> float:
     return float(np.nansum(np.log(np.maximum(left, LEAST))))
 
 
+def farthest_positions(robot: Robot) -> np.ndarray:
+    """Return how far from zero positions (n,) [rad] can be, infinite where a joint turns on."""
+    return np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
+
+
 def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, float] | None:
     """Return the unit that the positions look like in place of the stated one, and the share of the squared torque that
     it leaves, a median over the axes; None where none fits far better.
@@ -82,7 +87,7 @@ def better_unit(measured: Measured, robot: Robot, stated: str) -> tuple[str, flo
     measured : samples, thinned, read in the unit `stated`, a key of the units of a position.
     """
     sizes = sizes_of("position")
-    reach = np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
+    reach = farthest_positions(robot)
     largest = largest_positions(measured)
     as_stated: np.ndarray | None = None
     found: list[tuple[float, str, float]] = []

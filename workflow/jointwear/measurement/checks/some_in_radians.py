@@ -13,8 +13,8 @@ import numpy as np
 
 from jointwear.files.wording import numbered
 from jointwear.measurement.checks.position_unit import (
-    BEYOND,
     RIGHT,
+    farthest_positions,
     fits_far_better,
     largest_positions,
     left_as_read,
@@ -22,7 +22,6 @@ from jointwear.measurement.checks.position_unit import (
 )
 from jointwear.measurement.derived.motion import Measured
 from jointwear.measurement.refused import Refused
-from jointwear.measurement.turns import turns_on
 from jointwear.measurement.units import POSITION_WORDS, size_of
 from jointwear.robots.robot import Robot
 
@@ -54,9 +53,8 @@ def _possible(largest: np.ndarray, factor: float, robot: Robot) -> Iterator[tupl
 
     Where all that move do, one key is wrong and no joint is odd: that is asked of the unit as a whole.
     """
-    reach = np.where(turns_on(robot), np.inf, BEYOND * np.maximum(np.abs(robot.lower), np.abs(robot.upper)))
     moved = largest > 0
-    joints = np.flatnonzero(moved & (factor * largest <= reach)).tolist()
+    joints = np.flatnonzero(moved & (factor * largest <= farthest_positions(robot))).tolist()
     if len(joints) == moved.sum():
         return
     yield from ((joint,) for joint in joints)

@@ -8,7 +8,7 @@ import numpy as np
 
 from jointwear.files.wording import name_axes
 from jointwear.monitor.reading.windows import WindowStatistics
-from jointwear.monitor.watching.backlash import MISSED, QUICKEST
+from jointwear.monitor.watching.backlash import left_of_torque
 
 #: Kind of the finding.
 BASE = "unsure_percent"
@@ -26,19 +26,12 @@ def unsure_percent_findings(
     ----------
     baseline : (w,) bool. coulomb : (n, 2) levels [N m]. changed : (n,) bool.
     """
-    rows = baseline[:, None] & (statistics.count > 0)
-
-    def mean(square: np.ndarray, number: np.ndarray) -> np.ndarray:
-        return np.where(rows, square, 0.0).sum(axis=0) / np.maximum(np.where(rows, number, 0).sum(axis=0), 1)
-
-    noise = mean(statistics.residual_square, statistics.freedom)
-    quick, level = mean(statistics.pulse_far, statistics.far_count), coulomb.mean(axis=1)
-    gathered = np.where(rows, statistics.far_count, 0).any(axis=0)
-    missed = gathered & (level > 0) & (np.sqrt(noise) > MISSED * level) & (quick < QUICKEST * noise)
-    axes = (np.flatnonzero(missed & changed) + 1).tolist()
+    left, level = left_of_torque(statistics, baseline), coulomb.mean(axis=1)
+    gathered = ((statistics.count > 0) & (statistics.far_count > 0))[baseline].any(axis=0)
+    axes = (np.flatnonzero(gathered & left.missed_by_model(level) & changed) + 1).tolist()
     if not axes:
         return []
-    shares = 100 * np.sqrt(noise) / np.maximum(level, 1e-12)
+    shares = 100 * np.sqrt(left.noise) / np.maximum(level, 1e-12)
     size = max(shares[j - 1] for j in axes)
     words = (
         f"Growth of {name_axes(axes)} in percent is unsure, beyond its stated error: in the normal period already the "

@@ -206,9 +206,10 @@ def _since_baseline(
             "the robot file has one 'payload', which holds in all programs: state the load there if the others carry "
             "it, too. Where they do not, it cannot be stated, and this axis is judged in the others alone."
         )
+    which = f" ({where.removeprefix('in ')})" if where else ""
     words = (
         f"In {count(len(rows), 'window')} of programs that were so in the normal period already"
-        f"{f' ({where[3:]})' if where else ''}, the torque of {name_axes(axes)} fits neither the model nor the first "
+        f"{which}, the torque of {name_axes(axes)} fits neither the model nor the first "
         "log: a load at the flange that the robot file lacks, or a motion in which this torque is small, and no fault "
         f"that came since. These windows are not judged; {mends}"
     )

@@ -9,7 +9,7 @@ that of the pulses [%]; how large the gap is would take a second encoder.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -67,6 +67,37 @@ def backlash_series(statistics: WindowStatistics, usable: np.ndarray) -> Series:
     return Series(value, variance, np.ones(n), np.ones(n))
 
 
+@dataclass(frozen=True)
+class LeftOfTorque:
+    """Mean squares (n,) [(N m)^2] of what the regression leaves of the torque of each axis in some windows: the `noise`
+    of all of it, and its `quick` part, of pulses of a tenth of a second."""
+
+    noise: np.ndarray
+    quick: np.ndarray
+
+    @property
+    def slow(self) -> np.ndarray:
+        """Whether next to nothing of it is quick, (n,) bool."""
+        return self.quick < QUICKEST * self.noise
+
+    def missed_by_model(self, level: np.ndarray) -> np.ndarray:
+        """Return where it is torque that the model misses, (n,) bool; `level` (n,) of Coulomb friction [N m]."""
+        return self.slow & (level > 0) & (np.sqrt(self.noise) > MISSED * level)
+
+
+def left_of_torque(statistics: WindowStatistics, baseline: np.ndarray) -> LeftOfTorque:
+    """Return what the regression leaves of each axis in those windows of the baseline (w,) bool in which it moves."""
+    rows = baseline[:, None] & (statistics.count > 0)
+
+    def mean(square: np.ndarray, number: np.ndarray) -> np.ndarray:
+        return np.where(rows, square, 0.0).sum(axis=0) / np.maximum(np.where(rows, number, 0).sum(axis=0), 1)
+
+    return LeftOfTorque(
+        noise=mean(statistics.residual_square, statistics.freedom),
+        quick=mean(statistics.pulse_far, statistics.far_count),
+    )
+
+
 def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: np.ndarray) -> list[str]:
     """Return for each axis why its backlash cannot be judged; empty where it can.
 
@@ -76,6 +107,8 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
     """
     reasons = []
     moved = baseline[:, None] & (statistics.count > 0)
+    left = left_of_torque(statistics, baseline)
+    missed = left.missed_by_model(coulomb.mean(axis=1))
     for j in range(statistics.axes):
         rows = moved[:, j]
         count = max(int(statistics.count[rows, j].sum()), 1)
@@ -83,8 +116,6 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
         load = np.sqrt(np.trace(statistics.gram[rows, j, 3:, 3:].sum(axis=0)) / count)
         turns = statistics.turns[rows, j] >= FEWEST_TURNS
         short = (statistics.near_count[rows, j] < FEWEST_SAMPLES) | (statistics.far_count[rows, j] < FEWEST_SAMPLES)
-        quick = statistics.pulse_far[rows, j].sum() / max(int(statistics.far_count[rows, j].sum()), 1)
-        noise = statistics.residual_square[rows, j].sum() / max(int(statistics.freedom[rows, j].sum()), 1)
         if not rows.any():
             reasons.append("it rests in the baseline")
         elif not gathered:
@@ -95,9 +126,9 @@ def hidden_because(statistics: WindowStatistics, coulomb: np.ndarray, baseline: 
             reasons.append("its load is mostly friction, which reverses with the motion")
         elif short.mean() > MOST_WINDOWS:
             reasons.append("too little of its motion is clear of rests and turns")
-        elif quick < QUICKEST * noise and np.sqrt(noise) > MISSED * coulomb[j].mean() > 0:
+        elif missed[j]:
             reasons.append("the model misses too much of its torque (a payload?)")
-        elif quick < QUICKEST * noise:
+        elif left.slow[j]:
             reasons.append("the torque in the log is filtered too much to show pulses of a tenth of a second")
         else:
             reasons.append("")
