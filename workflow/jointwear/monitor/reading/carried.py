@@ -90,7 +90,7 @@ def with_loads(
     Parameters are those of :func:`found_loads`.
     """
     found = found_loads(model, residual, velocity, used, groups, step, torques, least)
-    return carrying(model, [one for one in found if one.load.clear], step, torques)
+    return carrying(model, clear_ones(found), step, torques)
 
 
 def found_loads(
@@ -139,6 +139,11 @@ def found_loads(
             carried.append((piece, np.repeat(there, every)[: piece.stop - piece.start]))
         result.append(FoundLoad(load, tuple(carried)))
     return result
+
+
+def clear_ones(found: Sequence[FoundLoad]) -> list[FoundLoad]:
+    """Return the loads that their own samples show clearly."""
+    return [one for one in found if one.load.clear]
 
 
 def carrying(

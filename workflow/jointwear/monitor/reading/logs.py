@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, ends_within_a_row, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
 from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
-from jointwear.monitor.reading.carried import FoundLoad, least_mass
+from jointwear.monitor.reading.carried import clear_ones, least_mass
 from jointwear.monitor.reading.derivation import Motion, derive_motion
 from jointwear.monitor.reading.inspection import Inspector
 from jointwear.monitor.reading.loads_of_windows import (
@@ -28,7 +28,7 @@ from jointwear.monitor.reading.loads_of_windows import (
     loads_of_windows,
     no_loads,
 )
-from jointwear.monitor.reading.model import TorqueModel
+from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.plausibility import outside_limits
 from jointwear.monitor.reading.reversals import reach_of
 from jointwear.monitor.reading.rounded import coarser
@@ -192,7 +192,8 @@ def _block_statistics(
     sound = (flags & int(Flag.CONTRADICTED | Flag.TORQUE_FROZEN)) == 0
     seen, values = SeenBlock(around, motion, loads, least_mass(model.robot), settings, survey, step), chunk.torque
     shown = seen.shown_loads(torque, values, usable & sound)
-    loaded, clear = seen.carrying(torque, [x for x in shown if x.load.clear])
+    certain = clear_ones(shown)
+    loaded, clear = seen.carrying(torque, certain)
     later = seen.later(loaded, values, usable & clear & sound)
     if abs(later) > LARGEST:
         inspector.tell(off_in_time(path))
@@ -203,9 +204,10 @@ def _block_statistics(
         later += rest_of(seen.lag(loaded, values, there & clear & sound), survey.lag)
         values, usable = read_later(chunk.torque, chunk.time, around.stretch, usable, later)
         shown = seen.shown_loads(torque, values, usable & sound)
+        certain = clear_ones(shown)
+        loaded, clear = seen.carrying(torque, certain)
 
-    def read_with(carried: Sequence[FoundLoad]) -> WindowStatistics:
-        loaded, clear = seen.carrying(torque, carried)
+    def read_with(loaded: ModelTorque, clear: np.ndarray) -> WindowStatistics:
         result = window_statistics(
             chunk.time,
             motion.position,
@@ -224,9 +226,8 @@ def _block_statistics(
         seen.add_zeros(result, loaded, values, usable & clear & sound, model.dynamics, kept)
         return result
 
-    certain = [x for x in shown if x.load.clear]
-    result = read_with(certain)
-    laden = result if len(certain) == len(shown) else read_with(shown)
+    result = read_with(loaded, clear)
+    laden = result if len(certain) == len(shown) else read_with(*seen.carrying(torque, shown))
     return result, laden, loads_of_windows(shown, chunk.time, result.start, settings.length)
 
 
