@@ -121,8 +121,7 @@ def wave_named(white, effect, torque, order=0.5):
     term = Term(
         effect, {WAVING: white.columns(WAVING, columns)}, np.full(2, 20.0), {WAVING: white.raw(WAVING, columns)}
     )
-    extra = white.columns(WAVING, torque[:, None])[:, 0]
-    asked = replace(white, targets=[y + extra if a == WAVING else y for a, y in enumerate(white.targets)])
+    asked = lacking_on(white, WAVING, torque)
     return Outcome(asked.problem, asked, asked.fit([term]), None, named=[Named(one, term, None, 99.0)])
 
 

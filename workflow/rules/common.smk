@@ -36,7 +36,7 @@ from jointwear.running.project import check_writable
 from jointwear.running.script import message_of
 from jointwear.running.modules import imported_by, lend_to_children
 from jointwear.running.shipped import shipped, shipped_glob
-from jointwear.running.told_of import lend_sources, named_in_file
+from jointwear.running.told_of import lend_sources, named_as_lent
 from jointwear.running.stale_lock import call_at_work, clear_stale_lock, note_run
 
 # Without the default profile this is the first look at what Snakemake was given; it has read the files by now, and
@@ -91,17 +91,18 @@ def tell_of_example(key, kind, name):
 
 
 # The shipped values, config/config.yaml of the working directory, then --configfile; --config lies over them.
-CONFIG_FILES = [
-    from_here(path.resolve())
-    for path in map(Path, [*config_layers(), *workflow.configfiles])
-]
-lend_sources(CONFIG_FILES, workflow.config_settings.config)
+lend_sources(
+    (
+        from_here(path.resolve())
+        for path in map(Path, [*config_layers(), *workflow.configfiles])
+    ),
+    workflow.config_settings.config,
+)
 
 
 def told(error):
     """The line that ends a call: a key of the configuration with the file that holds it."""
-    given = workflow.config_settings.config
-    return f"jointwear: {named_in_file(str(error), CONFIG_FILES, given)}"
+    return f"jointwear: {named_as_lent(str(error))}"
 
 
 try:
