@@ -22,7 +22,7 @@ from jointwear.monitor.watching.watched_axis import Start
 #: False falls per 1,000 h, whatever rate is stated: a fall proposes a service, and no rate may decide what is learnt.
 FALL_RATE = 0.5
 #: The same of falls that are as likely a service as wander: as often as makers have joints greased, every 20,000 h
-#: (Nabtesco, manual of the RV-N series, 8.3.1; ABB, product manual of the IRB 1600, 3.2.2).
+#: (Nabtesco, manual of the RV-N series, 8.3.1; ABB, product manual of the IRB 460, 3.2.2).
 CLEAR_RATE = 1.0 / 20.0
 
 
