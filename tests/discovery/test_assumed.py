@@ -36,7 +36,8 @@ OTHERS = {
     """,
     "a bound on time": """
         building_up.SAMPLES leftovers.SPEEDS rocking.COARSE rocking.HINT
-        base.MOST_FREE base.HALVINGS decide.MOST_REFUSED_ON_AXIS decide.RANKED decide.MOST_REFUSED
+        base.MOST_FREE base.HALVINGS
+        forward_search.MOST_REFUSED_ON_AXIS forward_search.RANKED forward_search.MOST_REFUSED
         estimation.REFINEMENTS noise.WIDE noise_spectrum.ROUNDS noise_spectrum.DRAWS peak_torque.DRAWS pipeline.READINGS
         saturated.DRAWN
         posterior.BEAM problem.POSES shared_drives.SAMPLES slow_noise.ROUNDS sound_links.STEPS sound_links.HALVINGS

@@ -12,7 +12,7 @@ from jointwear.discovery.linear import Term, gain
 from jointwear.discovery.problem.candidates import build_dictionary, raw_blocks
 from jointwear.discovery.problem.whitening import INERTIAL, whiten
 from jointwear.discovery.search.acceptance import refusals
-from jointwear.discovery.search.body_or_links import _nats_of_links
+from jointwear.discovery.search.body_or_links import nats_of_links
 from jointwear.effects import get_effect
 from jointwear.robots.inertia import bodies, matrix_of_six, parameters_of_body, reach_of_link
 from jointwear.robots.robot import load_robot
@@ -111,4 +111,4 @@ def test_links_are_known_less_only_as_far_as_a_mass_may_be_wrong(white, share, c
     gram = 1e9 * np.eye(len(theta))
     said, wide = (gain(gram @ theta, gram, k * links.std) for k in (1.0, problem.settings.mass_sigmas))
     assert wide > said
-    assert _nats_of_links(white, links.std, gram @ theta, gram) == (wide if counts else said)
+    assert nats_of_links(white, links.std, gram @ theta, gram) == (wide if counts else said)

@@ -223,6 +223,6 @@ def test_each_record_but_the_first_may_have_another_level():
     velocity = np.array([[1.0], [-1.0], [2.0], [-0.5], [0.3], [0.1]])
     usable, record = np.ones(velocity.shape, dtype=bool), np.array([7, 7, 3, 3, 5, 5])
     usable[4:] = False
-    columns = building_up._of_records(usable, record, velocity)
+    columns = building_up.records_apart(usable, record, velocity)
     np.testing.assert_array_equal(columns[:, 0], np.array([[0, 0, 1, -1, 0, 0]]).T)
-    assert building_up._of_records(usable, np.zeros(6), velocity).shape == (6, 1, 0)
+    assert building_up.records_apart(usable, np.zeros(6), velocity).shape == (6, 1, 0)

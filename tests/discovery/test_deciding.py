@@ -17,7 +17,7 @@ from jointwear.discovery.presentation.page import (
 )
 from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_blocks, term_of
 from jointwear.discovery.problem.whitening import whiten
-from jointwear.discovery.search import acceptance, decide, leftovers
+from jointwear.discovery.search import acceptance, decide, forward_search, leftovers, named_effects
 from jointwear.discovery.search.acceptance import missed, predictive
 from jointwear.discovery.search.crossval import CrossValidated, cross_validate
 from jointwear.discovery.search.explained import explained
@@ -55,15 +55,14 @@ def test_a_form_that_says_more_than_was_seen_gives_way_to_a_plainer_one(found, m
         asked.append(trial)
         return ["refused"] if set(trial.candidate.nonlinear) == set(drift.candidate.nonlinear) else []
 
-    monkeypatch.setattr(decide, "refusals", only_the_plain)
-    trial, failed = decide._tried(white, white.fit(), [], drift)
+    monkeypatch.setattr(forward_search, "refusals", only_the_plain)
+    trial, failed = forward_search.best_form(white, white.fit(), [], drift)
     assert failed == []
     assert set(trial.candidate.nonlinear) == set(other.candidate.nonlinear)
     assert len(asked) == 2
     # With too little evidence of its own the other form is not asked.
-    assert decide._tried(white, white.fit(), [], replace(drift, others=(replace(other, evidence=5.0),)))[1] == [
-        "refused"
-    ]
+    weak = replace(drift, others=(replace(other, evidence=5.0),))
+    assert forward_search.best_form(white, white.fit(), [], weak)[1] == ["refused"]
 
 
 @pytest.mark.parametrize(("share", "plainer"), [(0.9, True), (0.3, False)])
@@ -78,9 +77,9 @@ def test_a_form_competes_by_what_it_predicts_where_it_explains_nearly_as_much(fo
         plain = set(trial.candidate.nonlinear) == set(other.candidate.nonlinear)
         return CrossValidated(nats=60.0, share=0.25, worst=3.0, gain_share=2.0 if plain else 1.0), None
 
-    monkeypatch.setattr(decide, "refusals", lambda *_: [])
-    monkeypatch.setattr(decide, "predictive", better_the_plainer)
-    trial, _ = decide._tried(white, white.fit(), [], drift)
+    monkeypatch.setattr(forward_search, "refusals", lambda *_: [])
+    monkeypatch.setattr(forward_search, "predictive", better_the_plainer)
+    trial, _ = forward_search.best_form(white, white.fit(), [], drift)
     assert (set(trial.candidate.nonlinear) == set(other.candidate.nonlinear)) is plainer
 
 
@@ -94,13 +93,13 @@ def test_families_are_ranked_off_their_grids(found):
     trial = replace(white, targets=targets)
     fit = trial.fit()
     scored = next(s for s in scan(trial, dictionary, fit) if s.candidate.key == ("stribeck_friction", 1, None))
-    moved = decide._off_grid(trial, fit, scored)
+    moved = named_effects.off_grid(trial, fit, scored)
     assert moved.candidate.key == scored.candidate.key
     assert moved.candidate.nonlinear["speed"] != scored.candidate.nonlinear["speed"]
     assert moved.evidence > scored.evidence + 1.0
     for key in (("torque_constant_error", 1, None), ("actuation_delay", 1, None)):
         same = next((s for s in scan(trial, dictionary, fit) if s.candidate.key == key), None)
-        assert same is None or decide._off_grid(trial, fit, same) is same
+        assert same is None or named_effects.off_grid(trial, fit, same) is same
 
 
 def test_a_load_is_not_refused_for_what_one_joint_lacks(found):
@@ -308,9 +307,9 @@ def test_of_a_torque_constant_only_counts_what_drives_cannot_take_over(found):
     used = problem.usable[:, 1]
     drives = problem.friction_columns(problem.train_state, 1)[used] @ [3.0, -3.0, 2.0, 0.5]
     load = problem.train_state.load[used, 1]
-    left = acceptance._without_drives(problem, 1, drives)
+    left = acceptance.without_drives(problem, 1, drives)
     assert np.abs(left).max() < 1e-9 * np.abs(drives).max()
-    assert np.std(acceptance._without_drives(problem, 1, load)) > 0.1 * np.std(load)
+    assert np.std(acceptance.without_drives(problem, 1, load)) > 0.1 * np.std(load)
 
 
 def test_of_two_that_are_as_likely_one_is_named(found, monkeypatch):
@@ -331,10 +330,10 @@ def test_of_two_that_are_as_likely_one_is_named(found, monkeypatch):
     monkeypatch.setattr(decide, "weigh", weighed)
     monkeypatch.setattr(decide, "refusals", gates)
     answers = [[]]
-    assert decide._weighed(outcome, one).candidate.key == rival.key
+    assert decide.likelier(outcome, one).candidate.key == rival.key
     assert not outcome.refusals
     answers.append([Refusal(rival, 1.0, "gate", 0.0, 1.0)])
-    again = decide._weighed(outcome, one)
+    again = decide.likelier(outcome, one)
     assert (again.candidate.key, again.probability) == (one.candidate.key, 0.9)
     assert [r.candidate.key for r in outcome.refusals] == [rival.key]
     # In the place of the effect, not beside it.

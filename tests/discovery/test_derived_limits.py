@@ -30,9 +30,9 @@ def test_an_effect_twice_as_large_as_what_is_lacking_leaves_more_than_there_was(
     torque = np.cumsum(rng.standard_normal(used.sum())) + friction @ rng.normal(0.0, 5.0, 4)
     # As like what is lacking as it can be.
     torque = rng.uniform(0.0, 5.0) * lacking + 1e-3 * torque
-    own = acceptance._without_drives(problem, axis, torque)
+    own = acceptance.without_drives(problem, axis, torque)
     size = 2.0 * np.sqrt(np.mean(lacking**2) / np.mean(own**2)) * 1.001
-    left = acceptance._without_drives(problem, axis, lacking - size * torque)
+    left = acceptance.without_drives(problem, axis, lacking - size * torque)
     assert np.mean(left**2) > np.mean(lacking**2)
 
 

@@ -53,7 +53,7 @@ def test_the_files_are_decided_before_the_held_out_records_are_looked_at(contrad
     for name in ("search_beside", "repeat", "with_kept_sizes"):
         monkeypatch.setattr(pipeline, name, lambda outcome, *_: outcome)
     monkeypatch.setattr(pipeline, "sound_files", lambda *_: fitted)
-    found = pipeline._judge(contradicted.recording, final.outcome, [])
+    found = pipeline.judge(contradicted.recording, final.outcome, [])
     assert (found.verdict, found.data["retuned"]) == ("unknown", [])
     for kind, file in contradicted.files.items():
         assert fitted[1][kind].data != file.data

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointwear.discovery.presentation.drawing import _longest_run
+from jointwear.discovery.presentation.drawing import longest_run
 
 
 @pytest.mark.parametrize(
@@ -19,4 +19,4 @@ from jointwear.discovery.presentation.drawing import _longest_run
     ],
 )
 def test_a_line_of_torque_crosses_no_gap(index, time, shown):
-    np.testing.assert_array_equal(_longest_run(index, time), np.arange(10)[shown])
+    np.testing.assert_array_equal(longest_run(index, time), np.arange(10)[shown])

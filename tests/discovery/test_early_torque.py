@@ -9,7 +9,7 @@ from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
-from jointwear.discovery.search import decide, leftovers
+from jointwear.discovery.search import leftovers, taken_back
 from jointwear.discovery.search.early_torque import delay_of
 from jointwear.discovery.search.standing_alone import doubt_early_torque, stand_alone
 
@@ -33,9 +33,9 @@ def late(white, delay, kind="motor"):
 def test_a_delay_within_what_the_time_of_a_torque_is_known_to_is_no_name(white, share, stands, monkeypatch):
     """A torque logged a quarter of a millisecond early on all joints, at 125 Hz, was the delay of one of them."""
     settled = []
-    monkeypatch.setattr(decide, "settle", settled.append)
+    monkeypatch.setattr(taken_back, "settle", settled.append)
     outcome = late(white, share * assumed.CLOCK / white.problem.measured.logged_rate)
-    decide._believe_no_delay_within_the_clock(outcome)
+    taken_back.believe_no_delay_within_the_clock(outcome)
     assert bool(outcome.named) == stands
     assert len(settled) == len(outcome.refusals) == (not stands)
     assert all(r.reached < r.needed for r in outcome.refusals)

@@ -10,7 +10,7 @@ from jointwear.discovery.estimates.forms import companion, form_of
 from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.estimates.refine import refine
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, term_of
-from jointwear.discovery.search import decide
+from jointwear.discovery.search import taken_back
 from jointwear.discovery.search.forms_beyond import nats_beyond, of_another_form
 
 AXIS = 1
@@ -72,8 +72,8 @@ def test_it_is_a_suspect_where_structure_is_left_without_it(white, left, monkeyp
     def settle(outcome):
         outcome.unexplained = [SimpleNamespace(axis=AXIS)] if left else []
 
-    monkeypatch.setattr(decide, "settle", settle)
-    decide._believe_no_form_beyond_its_bounds(outcome)
+    monkeypatch.setattr(taken_back, "settle", settle)
+    taken_back.believe_no_form_beyond_its_bounds(outcome)
     assert outcome.named == []
     assert all(r.reached < r.needed for r in outcome.refusals)
     assert len(outcome.refusals) == 1

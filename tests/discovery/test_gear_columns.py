@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointwear.discovery.estimates.effect_estimates import _out_of_step
+from jointwear.discovery.estimates.effect_estimates import out_of_step
 from jointwear.discovery.estimates.refine import refine
 from jointwear.discovery.estimates.scan import scan
 from jointwear.discovery.problem.candidates import Candidate, build_dictionary, raw_torques, whitened
@@ -47,6 +47,6 @@ def test_a_damping_is_no_better_known_than_how_far_the_swing_is_out_of_step():
     candidate = Candidate("joint_flexibility", 1, None, gear)
     std = {"inertia_over_stiffness": 1.6e-5, "damping": 0.015}
     # Four per cent of the square of a period are two per cent of the frequency.
-    assert _out_of_step(candidate, gear, std)["damping"] == pytest.approx(0.025)
+    assert out_of_step(candidate, gear, std)["damping"] == pytest.approx(0.025)
     behind = Candidate("joint_flexibility", 1, None, {**gear, "side": 0})
-    assert _out_of_step(behind, gear, std) == {}
+    assert out_of_step(behind, gear, std) == {}

@@ -29,7 +29,7 @@ from jointwear.discovery.problem.instruments import (
 )
 from jointwear.discovery.problem.saturated import estimate_noise
 from jointwear.discovery.problem.setting_up import build_problem
-from jointwear.discovery.problem.whitening import _base_columns, whiten
+from jointwear.discovery.problem.whitening import base_columns, whiten
 from jointwear.discovery.search.tolerance import with_tolerances
 from jointwear.discovery.settings import Settings
 from jointwear.effects import make_state
@@ -122,7 +122,7 @@ def test_columns_of_drives_and_links_hold_nothing_of_ends_either(white):
     at_ends = np.flatnonzero(problem.train)[beside]
     acceleration[at_ends], inertial[at_ends] = 100.0, 100.0 * (inertial[at_ends] != 0)
     wild = replace(problem, state=replace(problem.state, acceleration=acceleration), inertial=inertial)
-    for calm, other in zip(_base_columns(problem, axis, cutoffs), _base_columns(wild, axis, cutoffs), strict=True):
+    for calm, other in zip(base_columns(problem, axis, cutoffs), base_columns(wild, axis, cutoffs), strict=True):
         assert calm.any()
         np.testing.assert_array_equal(other, calm)
 

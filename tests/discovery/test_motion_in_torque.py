@@ -18,7 +18,7 @@ from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.problem.saturated import estimate_noise
 from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import whiten
-from jointwear.discovery.search.searches import _shared_drives
+from jointwear.discovery.search.searches import pairs_of_drives
 from jointwear.discovery.settings import Settings
 from jointwear.effects import make_state
 from jointwear.effects.order import turn_by_lag
@@ -143,10 +143,10 @@ def test_two_joints_share_a_drive_where_each_names_the_other_for_the_same_sum():
         return Named(Candidate("drive_coupling", axis, source, {"own": own, "other": other}), None, None, evidence)
 
     both = [name(4, 5, 1.0, -1.0), name(5, 4, 1.0, -1.0)]
-    assert _shared_drives(both, 100.0) == [{4, 5}, {4, 5}]
-    assert not _shared_drives(both[:1], 100.0)
-    assert not _shared_drives([both[0], name(5, 4, 1.0, 1.0)], 100.0)
-    assert not _shared_drives([both[0], name(5, 4, 0.0, -1.0)], 100.0)
-    assert not _shared_drives([both[0], name(5, 4, 1.0, -1.0, evidence=50.0)], 100.0)
+    assert pairs_of_drives(both, 100.0) == [{4, 5}, {4, 5}]
+    assert not pairs_of_drives(both[:1], 100.0)
+    assert not pairs_of_drives([both[0], name(5, 4, 1.0, 1.0)], 100.0)
+    assert not pairs_of_drives([both[0], name(5, 4, 0.0, -1.0)], 100.0)
+    assert not pairs_of_drives([both[0], name(5, 4, 1.0, -1.0, evidence=50.0)], 100.0)
     spring = Named(Candidate("joint_spring", 5, None), None, None, 500.0)
-    assert not _shared_drives([both[0], spring], 100.0)
+    assert not pairs_of_drives([both[0], spring], 100.0)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from jointwear.discovery.estimates.outcome import Named, Outcome, Refusal
-from jointwear.discovery.findings import _lost
+from jointwear.discovery.findings import lost_candidates
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, raw_columns
 from jointwear.discovery.search.given_up import telling_names_given_up
@@ -25,7 +25,7 @@ def name(white, candidate):
 def test_a_name_that_is_given_up_is_told_with_what_is_left_of_its_evidence(white):
     before, after = outcome(white, name(white, SPRING)), outcome(white)
     told = telling_names_given_up(before, after, "nats beside slow noise")
-    (lost,) = _lost(told)
+    (lost,) = lost_candidates(told)
     assert (lost.effect, lost.axis, lost.gate) == ("joint_spring", 3, "nats beside slow noise")
     # Nothing of it is in these data.
     assert lost.reached < lost.needed == white.problem.settings.accept

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from jointwear.discovery.held_out import Ringing, _noise_in_bursts, _without_bursts
+from jointwear.discovery.held_out import Ringing, noise_in_bursts, without_bursts
 from jointwear.discovery.noise.bursts import FEWEST_CHANGES, heaviest_noise, loudest_share, rings, struck_together
 from jointwear.discovery.presentation.page import heading, lead
 from jointwear.discovery.settings import Settings
@@ -122,10 +122,10 @@ def test_a_floor_of_ringing_is_what_is_left_and_told_once(rng, motion):
     )
     gap = Gap((9.0,) * 4, (9.0,) * 4, (2.2, 2.2, 2.2, 0.024), (2.4, 2.4, None, 0.024))
     problem = SimpleNamespace(measured=measured, settings=Settings())
-    told, ringing_joints = _without_bursts(problem, model, gap, {1})
+    told, ringing_joints = without_bursts(problem, model, gap, {1})
     assert told.noise_floor == (2.2, 2.4, None, 0.024)
     assert ringing_joints == {1: Ringing(2.4)}
-    (words,) = _noise_in_bursts(ringing_joints)
+    (words,) = noise_in_bursts(ringing_joints)
     assert words.startswith("joint 1: what looks like noise there, 2.4 N m, hides the torque")
     assert "lost motion in the gear" in words
 
@@ -145,9 +145,9 @@ def test_joints_that_are_struck_together_are_told_where_it_matters(rng, motion, 
     )
     gap = Gap((9.0,) * 3, (9.0,) * 3, (noise,) * 3, (noise,) * 3)
     problem = SimpleNamespace(measured=measured, settings=Settings())
-    _, found = _without_bursts(problem, model, gap, {1})
+    _, found = without_bursts(problem, model, gap, {1})
     assert {axis: one.beside for axis, one in found.items()} == told
-    for words in _noise_in_bursts(found):
+    for words in noise_in_bursts(found):
         assert "comes in bursts, at the same instants as on joint" in words
 
 

@@ -8,8 +8,8 @@ import pytest
 from jointwear.discovery.linear import gain
 from jointwear.discovery.problem.candidates import build_dictionary
 from jointwear.discovery.problem.whitening import whiten
-from jointwear.discovery.search.outside_force import _term as term_of_force
 from jointwear.discovery.search.outside_force import force_beside, force_in_words, outside_force
+from jointwear.discovery.search.outside_force import force_term as term_of_force
 from jointwear.discovery.search.searches import search
 from jointwear.robots.inertia import gravity_regressor
 from jointwear.robots.robot import Link

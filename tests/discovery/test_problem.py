@@ -77,7 +77,7 @@ def test_a_link_mass_is_off_by_so_many_standard_deviations_of_its_prior(white):
     def sigmas(prior):
         settings = replace(white.problem.settings, inertial_prior=prior)
         asked = replace(white, problem=replace(white.problem, settings=settings))
-        (refusal,) = acceptance._mass_refusals(asked, [], trial)
+        (refusal,) = acceptance.mass_refusals(asked, [], trial)
         return refusal.reached
 
     assert sigmas(0.05) == pytest.approx(4 * sigmas(0.2))

@@ -283,7 +283,7 @@ def test_between_late_and_early_the_log_is_read_as_it_came(recording, robot, mon
 
     monkeypatch.setattr(pipeline, "beside_slow_noise", search)
     white = _white(recording, robot)
-    log, outcome, told = pipeline._read_in_time(recording, white)
+    log, outcome, told = pipeline.read_in_time(recording, white)
     assert not answers
     assert (outcome.white is white) == (log is recording) == (not told) == (read == 0.0)
     assert not told or f"({abs(read):.2f} of a sampling period)" in told[0]

@@ -105,6 +105,6 @@ def test_a_file_that_a_few_samples_speak_for_is_worse(rooted):
     useful[used[:10], axis] += 60.0
     noisy = useful.copy()
     noisy[used[10:], axis] += 0.3 * rng.standard_normal(len(used) - 10)
-    assert not sound_files._worse(odd, useful)
-    assert sound_files._worse(odd, noisy)[axis] == pytest.approx(np.sqrt(10.0), rel=0.1)
+    assert not sound_files.worse_axes(odd, useful)
+    assert sound_files.worse_axes(odd, noisy)[axis] == pytest.approx(np.sqrt(10.0), rel=0.1)
     assert np.sum((problem.measured.torque - noisy)[used, axis] ** 2) < 0.5 * np.sum(lacking[used, axis] ** 2)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from jointwear.discovery.problem.candidates import Seen
-from jointwear.discovery.search.leftovers import _where
+from jointwear.discovery.search.leftovers import range_covered
 from jointwear.discovery.structure import Basis
 
 
@@ -14,6 +14,6 @@ def test_columns_that_hold_nothing_do_not_move_the_range():
     good = np.array([False, True, True])
     held = columns[:, good]
     seen = Seen(held, good, np.array([1.0, 50.0]), np.eye(2), np.eye(2))
-    low, high = _where(Basis("position", "rad", columns, values), seen, np.arange(100, 300))
+    low, high = range_covered(Basis("position", "rad", columns, values), seen, np.arange(100, 300))
     assert low == 2.0
     assert high == values[-1]

@@ -8,7 +8,7 @@ import pytest
 from discovery_cases import make_case
 
 from jointwear.discovery import Settings, discover
-from jointwear.discovery.model.retuned import _known_to
+from jointwear.discovery.model.retuned import known_to
 from jointwear.discovery.posing import pose_problem
 from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import split
@@ -80,6 +80,6 @@ def test_the_motors_are_told_and_written_and_the_gap_is_that_of_the_given_file(r
 def test_a_motor_that_is_held_at_what_was_found_is_known_no_better_than_it_was_found(held, corrected, std):
     terms = [SimpleNamespace(drive=(0, 3), std=np.array([width])) for width in held]
     final = SimpleNamespace(std_friction=np.array([[0.0, 0.0, 0.0, corrected]]), fit=SimpleNamespace(terms=terms))
-    assert _known_to(final, 0, 3, std_found=0.03) == std
+    assert known_to(final, 0, 3, std_found=0.03) == std
     # A parameter that the file gives is known as its correction is.
-    assert _known_to(final, 0, 3, std_found=0.0) == corrected
+    assert known_to(final, 0, 3, std_found=0.0) == corrected

@@ -7,7 +7,7 @@ from test_rocking import outcome_of
 from jointwear.discovery.estimates.outcome import Named, Unexplained
 from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate
-from jointwear.discovery.search.windings import _wind_up_of, stiffens, wound_up_further_in
+from jointwear.discovery.search.windings import stiffens, wind_up_of, wound_up_further_in
 from jointwear.effects.swing import torque_of, wind_up
 
 AXIS, INERTIA, STIFFNESS, DAMPING = 1, 3.0, 4000.0, 0.05
@@ -59,5 +59,5 @@ def test_a_spring_that_the_wind_up_of_a_joint_further_in_stands_for_is_told(whit
 def test_the_wind_up_of_an_upright_joint_moves_no_gravity(white):
     """Of a heavy arm what is zero, but for rounding, had a prior without an end: no verdict came of it."""
     outcome = outcome_of(white, np.zeros_like(white.problem.train_state.position))
-    columns = [_wind_up_of(outcome, inner, 2).raw[2].shape[1] for inner in (0, AXIS)]
+    columns = [wind_up_of(outcome, inner, 2).raw[2].shape[1] for inner in (0, AXIS)]
     assert columns == [1, 2]

@@ -9,7 +9,7 @@ from discovery_cases import trial_of
 
 from jointwear.discovery.estimates.outcome import Outcome
 from jointwear.discovery.problem.whitening import INERTIAL
-from jointwear.discovery.search import decide
+from jointwear.discovery.search import taken_back
 from jointwear.discovery.search.acceptance import nats_without_witnesses
 
 SHOULDER, ELBOW, WRIST = 1, 2, 5
@@ -62,26 +62,26 @@ def test_links_that_one_axis_bends_feign_a_gain_of_another(bent):
 def test_such_a_gain_is_taken_back_where_that_axis_stays_unexplained(of_data, axes, stays, request, monkeypatch):
     white = request.getfixturevalue(of_data)
     settled = []
-    monkeypatch.setattr(decide, "settle", settled.append)
+    monkeypatch.setattr(taken_back, "settle", settled.append)
     outcome = _outcome(white, _gain(white), axes)
-    decide._believe_no_bent_links(outcome)
+    taken_back.believe_no_bent_links(outcome)
     assert bool(outcome.named) == stays
     assert len(settled) == len(outcome.refusals) == (not stays)
 
 
 def test_a_spring_that_makes_up_for_links_that_are_bent_is_taken_back_too(bent, monkeypatch):
     """Friction of a turntable by the moment on it had bent the links, and a spring of 19 nats behind it got a name."""
-    monkeypatch.setattr(decide, "settle", lambda outcome: None)
+    monkeypatch.setattr(taken_back, "settle", lambda outcome: None)
     spring = _gain(bent, effect=SPRING)
     assert nats_without_witnesses(bent, [], spring, ()) > 0.5 * bent.problem.settings.accept
     outcome = _outcome(bent, spring, {SHOULDER})
-    decide._believe_no_bent_links(outcome)
+    taken_back.believe_no_bent_links(outcome)
     assert not outcome.named
 
 
 def test_its_own_axis_is_asked_all_the_same(bent):
     outcome = _outcome(bent, _gain(bent), {ELBOW})
-    decide._believe_no_bent_links(outcome)
+    taken_back.believe_no_bent_links(outcome)
     assert outcome.named
 
 
@@ -89,7 +89,7 @@ def test_its_own_axis_is_asked_all_the_same(bent):
 def test_a_gain_of_a_load_that_links_correct_by_a_large_share_is_not_believed(wrong, off, stays, monkeypatch):
     """How much a torque is off is known no better than the load."""
     settled = []
-    monkeypatch.setattr(decide, "settle", settled.append)
+    monkeypatch.setattr(taken_back, "settle", settled.append)
     one = _gain(wrong)
     links = next(t for t in wrong.base if t.label == INERTIAL)
     fit = wrong.fit([one.term])
@@ -98,7 +98,7 @@ def test_a_gain_of_a_load_that_links_correct_by_a_large_share_is_not_believed(wr
     far = np.linalg.lstsq(load[:, ELBOW], off * wrong.problem.train_state.load[:, ELBOW], rcond=None)[0]
     fit.theta[fit.where(INERTIAL)] = far
     outcome = replace(_outcome(wrong, one, ()), fit=fit)
-    decide._believe_no_unknown_loads(outcome)
+    taken_back.believe_no_unknown_loads(outcome)
     assert bool(outcome.named) == stays
     assert len(settled) == len(outcome.refusals) == (not stays)
     assert all(r.reached < r.needed for r in outcome.refusals)

@@ -4,7 +4,7 @@ import pytest
 
 from jointwear.discovery import findings
 from jointwear.discovery.findings import make_verdict
-from jointwear.discovery.held_out import _above_the_noise, _noise_too_high, _with_told_floor
+from jointwear.discovery.held_out import above_the_noise, noise_too_high, with_told_floor
 from jointwear.discovery.presentation.page import (
     below_the_floor,
     body_in_words,
@@ -137,10 +137,10 @@ def test_of_joints_whose_noise_is_not_known_no_gap_is_told(found):
 
 def test_noise_is_no_more_than_what_is_left_of_the_held_out_motion():
     gap = Gap((33.0, 1.0, 9.0), (33.0, 1.0, 9.0), (1.97, 1.0, 9.0), (7.7, 1.3, 4.0))
-    told, unsure = _with_told_floor(gap, [2])
+    told, unsure = with_told_floor(gap, [2])
     assert told.noise_floor == (1.97, 1.3, None)
     assert unsure == {1: 7.7}
-    words = list(_noise_too_high(told, unsure))
+    words = list(noise_too_high(told, unsure))
     assert len(words) == 1
     assert "7.7 N m" in words[0]
     assert below_the_floor({"augmented": told.augmented, "noise_floor": told.noise_floor}) == [2]
@@ -165,7 +165,7 @@ def test_a_heading_counts_effects_and_a_lead_tells_what_shakes(found):
 
 def test_axes_above_the_noise_are_told_with_their_ratio():
     gap = Gap((9.0,) * 3 + (None,), (9.0,) * 3 + (None,), (1.05, 1.34, 3.0, None), (1.0, 1.0, 2.0, None))
-    assert [(a.axis, a.ratio) for a in _above_the_noise(gap, 0.1)] == [(2, 1.34), (3, 1.5)]
+    assert [(a.axis, a.ratio) for a in above_the_noise(gap, 0.1)] == [(2, 1.34), (3, 1.5)]
 
 
 def test_a_load_is_given_as_a_body():

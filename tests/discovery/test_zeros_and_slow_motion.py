@@ -10,7 +10,7 @@ from discovery_cases import lacking_on, trial_of
 from jointwear.discovery.estimates.refine import evidence_at, refine, simplest
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.problem.reversals import unseen_slow_motion
-from jointwear.discovery.search.acceptance import _sigmas
+from jointwear.discovery.search.acceptance import sigmas_off
 from jointwear.effects import get_effect
 
 AXIS = 1
@@ -78,9 +78,9 @@ def test_wear_between_recordings_is_as_most_forms_through_them_have_it(white):
 def test_a_factor_within_its_own_error_is_none(white):
     trial = trial_of(white, "torque_constant_error", AXIS, {})
     needed = white.problem.settings.mass_sigmas
-    assert _sigmas(white, [], white.fit([]), trial) < needed
+    assert sigmas_off(white, [], white.fit([]), trial) < needed
     weaker = lacking_on(white, AXIS, 0.1 * raw_columns(white, trial.candidate)[:, 0])
-    assert _sigmas(weaker, [], weaker.fit([]), trial) > needed
+    assert sigmas_off(weaker, [], weaker.fit([]), trial) > needed
 
 
 @pytest.mark.parametrize(("reach", "slow", "told"), [(45.0, False, True), (45.0, True, False), (5.0, False, False)])

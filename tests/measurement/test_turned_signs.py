@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from discovery_cases import make_case
 
-from jointwear.discovery.preflight import _passed
+from jointwear.discovery.preflight import checks_passed
 from jointwear.measurement.checks.axes_check import check_axes
 from jointwear.measurement.checks.checked import Checked, checked
 from jointwear.measurement.checks.turned_signs import IN_DOUBT, TOLD, in_doubt, likeliest_signs, needed_signs
@@ -104,9 +104,9 @@ def test_torques_that_all_are_turned_are_told_together(quad, hidden):
 
 def test_signs_in_doubt_are_not_said_to_be_tried_and_worse(quad):
     sure = Checked(measured=None, restrictions=[], axes_asked=True, signs_sure=True, zero_told=False)
-    assert any("no other sign" in line for line in _passed(quad, "rad", sure))
-    assert not any("sign" in line for line in _passed(quad, "rad", replace(sure, signs_sure=False)))
-    assert not any("axes" in line for line in _passed(quad, "rad", replace(sure, axes_asked=False)))
+    assert any("no other sign" in line for line in checks_passed(quad, "rad", sure))
+    assert not any("sign" in line for line in checks_passed(quad, "rad", replace(sure, signs_sure=False)))
+    assert not any("axes" in line for line in checks_passed(quad, "rad", replace(sure, axes_asked=False)))
 
 
 def nats_of(best, each):

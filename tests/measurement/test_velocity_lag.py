@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from jointwear.discovery.problem.restrictions import _late_velocities
+from jointwear.discovery.problem.restrictions import late_velocities
 from jointwear.measurement.derived.motion import measure
 from jointwear.measurement.recording import Recording
 
@@ -71,7 +71,7 @@ def test_a_lag_of_many_samples_leaves_the_positions_alone(rate, used):
     found, derived = measure(replace(without, velocity=late)), measure(without)
     np.testing.assert_allclose(found.velocity_lag, 0.0115, rtol=0.05)
     assert found.velocity_used is used
-    (told,) = _late_velocities(found)
+    (told,) = late_velocities(found)
     assert told.endswith("put right" if used else "no given velocity is used")
     assert np.array_equal(found.acceleration, derived.acceleration) is not used
 

@@ -77,7 +77,7 @@ def make_verdict(
         suspects=tuple(_suspects(final)),
         gap=held.gap,
         to_the_noise=not untold and held.to_the_noise,
-        lost=tuple(_lost(outcome)),
+        lost=tuple(lost_candidates(outcome)),
         not_tried=tuple(_not_tried(outcome)),
         not_identifiable=tuple(_not_identifiable(effects, seen, problem.settings.visible)),
         fallbacks=told_fallbacks(final, held.gap),
@@ -160,7 +160,7 @@ def _places(candidate: Candidate) -> dict[str, int | None]:
     }
 
 
-def _lost(outcome: Outcome) -> Iterable[Lost]:
+def lost_candidates(outcome: Outcome) -> Iterable[Lost]:
     """Yield the candidates that were refused, with the gates of their last refusals, strongest evidence first."""
     named = {n.candidate.key for n in outcome.named}
     gates: dict[tuple, dict[str, Refusal]] = {}

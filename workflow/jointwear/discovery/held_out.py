@@ -72,8 +72,8 @@ class HeldOut:
 
     def in_words(self) -> Iterable[str]:
         """Yield what a reader has to know of it."""
-        yield from _noise_too_high(self.gap, self.unsure)
-        yield from _noise_in_bursts(self.ringing)
+        yield from noise_too_high(self.gap, self.unsure)
+        yield from noise_in_bursts(self.ringing)
         yield from held_out_alone(self.alone, self.above)
         yield from training_alone(self.trained, self.unsure, self.gap)
         yield from _without_a_name(self.suspected, self.above)
@@ -88,10 +88,10 @@ def held_out(final: Final, torques: Mapping[str, np.ndarray]) -> HeldOut:
     """
     outcome, problem = final.outcome, final.outcome.problem
     left = {u.axis for u in outcome.unexplained}
-    gap, unsure = _with_told_floor(measure_gap(problem, torques, floor_with_names(final)), problem.too_coarse)
-    gap, ringing = _without_bursts(problem, torques["augmented"], gap, left)
+    gap, unsure = with_told_floor(measure_gap(problem, torques, floor_with_names(final)), problem.too_coarse)
+    gap, ringing = without_bursts(problem, torques["augmented"], gap, left)
     margin = problem.settings.near_the_floor
-    above = _above_the_noise(gap, margin)
+    above = above_the_noise(gap, margin)
     named = [e.named.candidate.axis for e in (*final.estimates, *final.unwritten)]
     asked = set() if left else unnamed_axes(len(gap.augmented), [None if a is None else a + 1 for a in named])
     return HeldOut(
@@ -130,7 +130,7 @@ def measure_gap(problem: Problem, torques: Mapping[str, np.ndarray], floor: Iter
     )
 
 
-def _with_told_floor(gap: Gap, coarse: Collection[int]) -> tuple[Gap, dict[int, float]]:
+def with_told_floor(gap: Gap, coarse: Collection[int]) -> tuple[Gap, dict[int, float]]:
     """Return the gap with a noise floor that is told, and of which axes, from 1, an estimate [N m] was too high.
 
     None is told of axes too coarse in time (`coarse`, 0-based). Noise is no more than what the augmented model leaves
@@ -145,7 +145,7 @@ def _with_told_floor(gap: Gap, coarse: Collection[int]) -> tuple[Gap, dict[int, 
     return replace(gap, noise_floor=tuple(floor)), unsure
 
 
-def _noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
+def noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
     """Yield in words of which axes the noise was estimated higher than all that is left of the held-out motion."""
     for axis, noise in unsure.items():
         yield (
@@ -155,7 +155,7 @@ def _noise_too_high(gap: Gap, unsure: Mapping[int, float]) -> Iterable[str]:
         )
 
 
-def _without_bursts(
+def without_bursts(
     problem: Problem, model: np.ndarray, gap: Gap, explained: Collection[int]
 ) -> tuple[Gap, dict[int, Ringing]]:
     """Return the gap with a floor that no joint rings above, and of which axes, from 1, the noise was ringing.
@@ -192,7 +192,7 @@ def _together(problem: Problem, model: np.ndarray, axes: Collection[int]) -> dic
     return struck_together(left, measured.usable, measured.trajectory, sizes, axes, problem.settings)
 
 
-def _noise_in_bursts(ringing: Mapping[int, Ringing]) -> Iterable[str]:
+def noise_in_bursts(ringing: Mapping[int, Ringing]) -> Iterable[str]:
     """Yield in words of which axes what was taken for noise is ringing."""
     for axis, found in ringing.items():
         bursts = "hides the torque and comes in bursts"
@@ -206,7 +206,7 @@ def _noise_in_bursts(ringing: Mapping[int, Ringing]) -> Iterable[str]:
         )
 
 
-def _above_the_noise(gap: Gap, margin: float) -> tuple[AboveNoise, ...]:
+def above_the_noise(gap: Gap, margin: float) -> tuple[AboveNoise, ...]:
     """Return the axes on which the held-out error stays above the noise floor by more than `margin`, and the ratio."""
     return tuple(
         AboveNoise(axis, float(f"{a / max(f, 1e-300):.4g}"))
@@ -217,7 +217,7 @@ def _above_the_noise(gap: Gap, margin: float) -> tuple[AboveNoise, ...]:
 
 def _to_the_noise(gap: Gap, margin: float) -> bool:
     pairs = [(a, f) for a, f in zip(gap.augmented, gap.noise_floor, strict=True) if a is not None and f is not None]
-    return bool(pairs) and not _above_the_noise(gap, margin)
+    return bool(pairs) and not above_the_noise(gap, margin)
 
 
 def _suspected(final: Final, above: Sequence[AboveNoise]) -> list[int]:

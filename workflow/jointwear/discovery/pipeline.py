@@ -148,8 +148,8 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
     posed = pose_problem(split(recording), robot, settings or Settings())
     recording, problem, restrictions = posed.recording, posed.problem, posed.restrictions
     try:
-        log, outcome, told = _read_in_time(recording, whitened(problem))
-        return _judge(log, outcome, [*restrictions, *told], posed.checked.zero_told)
+        log, outcome, told = read_in_time(recording, whitened(problem))
+        return judge(log, outcome, [*restrictions, *told], posed.checked.zero_told)
     except InputError:
         raise
     except NUMERICAL as error:
@@ -157,7 +157,7 @@ def discover(recording: Recording, robot: Robot, settings: Settings | None = Non
         return _undecided(recording, problem, restrictions, reason(error))
 
 
-def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcome, list[str]]:
+def read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcome, list[str]]:
     """Return a recording without the delay that all its joints share, what is found in it, and the delay in words.
 
     What a load or a tilt lacks can look like a delay of several joints, or hide one: the delay is asked again beside
@@ -186,7 +186,7 @@ def _read_in_time(recording: Recording, white: White) -> tuple[Recording, Outcom
     return log, outcome, [words] if read else []
 
 
-def _judge(recording: Recording, found: Outcome, restrictions: list[str], zero_told: bool = False) -> Discovery:
+def judge(recording: Recording, found: Outcome, restrictions: list[str], zero_told: bool = False) -> Discovery:
     outcome = with_kept_sizes(repeat(search_beside(found), found.problem))
     problem = outcome.problem
     left = lasting(outcome)

@@ -145,7 +145,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
         encoder_side=recording.encoder_side,
         trajectories=tuple(_trajectories(whole)),
         joints=tuple(joints),
-        passed=tuple(_passed(robot, recording.units.get("position") or "rad", posed.checked)),
+        passed=tuple(checks_passed(robot, recording.units.get("position") or "rad", posed.checked)),
         restrictions=tuple(restrictions),
         shown=tuple(shown),
         not_shown=tuple(_once(not_shown, problem)),
@@ -154,7 +154,7 @@ def check_data(recording: Recording, robot: Robot, settings: Settings | None = N
     )
 
 
-def _passed(robot: Robot, unit: str, checked: Checked) -> Iterator[str]:
+def checks_passed(robot: Robot, unit: str, checked: Checked) -> Iterator[str]:
     """Yield in words what was checked of a recording, with positions in `unit`, that is not refused."""
     yield f"{robot.joints} joints, as the robot"
     read_as = spelled("position", unit)

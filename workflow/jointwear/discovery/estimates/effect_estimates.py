@@ -201,7 +201,7 @@ def _by_its_damping(
     return nothing | {name: abs(lighter.nonlinear[name] - best)}
 
 
-def _out_of_step(candidate: Candidate, parameters: Mapping[str, float], std: Mapping[str, float]) -> dict[str, float]:
+def out_of_step(candidate: Candidate, parameters: Mapping[str, float], std: Mapping[str, float]) -> dict[str, float]:
     """Return the standard deviation of the damping of a swing because its frequency is not known along the motion.
 
     Inertia of the model that is off by a share in one pose and not in another puts the swing out of step, and what is
@@ -299,7 +299,7 @@ def estimate_effect(
             unknown.append(_followed(white, without, candidate, spreads, set(std)))
         std = {name: float(np.sqrt(s**2 + sum(u[name] ** 2 for u in unknown))) for name, s in std.items()}
     std |= {name: s * abs(float(candidate.nonlinear[name])) for name, s in spreads.std.items() if name != scaled}
-    std |= _out_of_step(candidate, parameters, std)
+    std |= out_of_step(candidate, parameters, std)
     fitted = Fitted(
         candidate=candidate,
         form=form,

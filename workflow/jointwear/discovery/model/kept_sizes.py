@@ -8,7 +8,7 @@ from jointwear.discovery.estimates.effect_estimates import Estimate
 from jointwear.discovery.estimates.outcome import Named, Outcome, Refusal
 from jointwear.discovery.model.estimation import finalise
 from jointwear.discovery.problem.candidates import LINK_MASS
-from jointwear.discovery.search.decide import settle
+from jointwear.discovery.search.standing_alone import settle
 from jointwear.effects import get_effect
 
 #: The gate, in words.

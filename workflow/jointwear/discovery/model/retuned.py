@@ -27,7 +27,7 @@ def retuned_parameters(final: Final) -> list[Retuned]:
         for k in range(len(FRICTION)):
             if final.std_friction[axis, k] <= 0 and not _found(problem, axis, k)[0]:
                 continue
-            one, sigmas, std = _corrected(final, axis, k)
+            one, sigmas, std = corrected_parameter(final, axis, k)
             nats = 0.5 * sigmas**2 - np.log(max(prior[k] / std, 1.0))
             if nats > need and one.value != one.nominal:
                 found.append(one)
@@ -37,7 +37,7 @@ def retuned_parameters(final: Final) -> list[Retuned]:
     left = {u.axis + 1 for u in final.outcome.unexplained} if whole else set()
     masses = [m for m in wrong_mass(final) if m.axis not in left] if _links_move(final) else []
     told = found + [m for m in masses if not found or abs(m.value - m.nominal) > m.std]
-    return told or _together(final)
+    return told or farthest_together(final)
 
 
 def _links_move(final: Final) -> bool:
@@ -63,13 +63,13 @@ def _found(problem: Problem, axis: int, k: int) -> tuple[float, float]:
     return float(problem.motors.inertia[axis]), float(problem.motors.std[axis])
 
 
-def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
+def corrected_parameter(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     """Return a parameter of a drive as corrected, the standard deviations by which it is off, and one [joint side]."""
     problem = final.outcome.problem
     sign = -1.0 if FRICTION[k] == "coulomb_negative" else 1.0
     found, std_found = _found(problem, axis, k)
     nominal, change = _drive_of(problem, axis)[k] - found, found + sign * float(final.delta_friction[axis, k])
-    known = _known_to(final, axis, k, std_found)
+    known = known_to(final, axis, k, std_found)
     # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
     std = float(np.hypot(known, problem.settings.parameter_error * (nominal + found)))
     gear = abs(problem.robot.gear_ratio[axis])
@@ -81,7 +81,7 @@ def _corrected(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     return one, change / std, std
 
 
-def _known_to(final: Final, axis: int, k: int, std_found: float) -> float:
+def known_to(final: Final, axis: int, k: int, std_found: float) -> float:
     """Return the standard deviation to which the data know a parameter of a drive, joint side.
 
     Where its correction was put back it is what it was found as. So it is where the correction was held narrower than
@@ -94,7 +94,7 @@ def _known_to(final: Final, axis: int, k: int, std_found: float) -> float:
     return std if held >= std_found else std_found
 
 
-def _together(final: Final) -> list[Retuned]:
+def farthest_together(final: Final) -> list[Retuned]:
     """Return the drive parameter that is farthest off where none is beyond doubt, but all together predict better.
 
     A tolerance of each parameter says nothing of a robot of which several are wrong by as much. On the axis that gains
@@ -108,7 +108,7 @@ def _together(final: Final) -> list[Retuned]:
     ratio = Asked(final.white, terms)(terms).ratio
     places = [(a, k) for a in outcome.problem.judged for k in range(len(FRICTION)) if final.std_friction[a, k] > 0]
     places = [(a, k) for a, k in places if ratio[a] * outcome.problem.settings.not_worse < 1.0]
-    told = [_corrected(final, *place) for place in places]
+    told = [corrected_parameter(final, *place) for place in places]
     best = max(told, key=lambda one: abs(one[1]), default=None)
     return [best[0]] if best is not None and abs(best[1]) > 1.0 and best[0].value != best[0].nominal else []
 

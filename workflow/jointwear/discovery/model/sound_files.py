@@ -35,7 +35,7 @@ def sound_files(problem: Problem, outcome: Outcome) -> Written:
     to those given, by halves, or as they are; and at last the robot as it was given.
     """
     written = _without_harmful(problem, *write_files(problem, finalise(outcome)))
-    bad = [kind for kind in written[1] if _worse(problem, written[2][kind])]
+    bad = [kind for kind in written[1] if worse_axes(problem, written[2][kind])]
     if not bad:
         return written
     with_links = cache(lambda step: write_files(problem, finalise(outcome, step)))
@@ -51,10 +51,10 @@ def _with_fewer_links(problem: Problem, with_links: Callable[[Step], Written], k
     rigid = with_links(OF_LINKS[-1])
     if kind == "augmented":
         rigid = _without_harmful(problem, *rigid)
-    if _worse(problem, rigid[2][kind]):
+    if worse_axes(problem, rigid[2][kind]):
         return rigid
     closer = (with_links(step) for step in OF_LINKS[:-1])
-    return next((model for model in closer if not _worse(problem, model[2][kind])), rigid)
+    return next((model for model in closer if not worse_axes(problem, model[2][kind])), rigid)
 
 
 def write_files(problem: Problem, final: Final) -> Written:
@@ -106,12 +106,12 @@ def _exchanged(problem: Problem, first: Written, second: Mapping[str, Written]) 
 
 def _sound(problem: Problem, first: Written, second: Written, kind: str) -> Final:
     """Return the second of two models, or what has to be given up of either for its file to be worse on no axis."""
-    still = _worse(problem, second[2][kind])
+    still = worse_axes(problem, second[2][kind])
     if not still:
         return second[0]
-    for model, bad in ((first[0], _worse(problem, first[2][kind])), (second[0], still)):
+    for model, bad in ((first[0], worse_axes(problem, first[2][kind])), (second[0], still)):
         trial = _as_given(model, kind, bad, alone=True)
-        if not _worse(problem, write_files(problem, trial)[2][kind]):
+        if not worse_axes(problem, write_files(problem, trial)[2][kind]):
             return trial
     return _as_given(second[0], kind, still)
 
@@ -163,13 +163,13 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
 
     A column of rates of change carries the noise of derived accelerations: it may be there, and its torque useless.
     """
-    bad = _worse(problem, torques["augmented"])
+    bad = worse_axes(problem, torques["augmented"])
     left_out = tuple(e for e in final.estimates if not bad.keys().isdisjoint(e.named.candidate.axes))
     if not left_out:
         return final, files, torques
     trial = replace(final, estimates=tuple(e for e in final.estimates if not any(e is x for x in left_out)))
     written = write_files(problem, trial)
-    if len(_worse(problem, written[2]["augmented"])) >= len(bad):
+    if len(worse_axes(problem, written[2]["augmented"])) >= len(bad):
         return final, files, torques
     doubtful, suspects = _suspected(final.outcome, list(left_out))
     named = tuple(e for e in left_out if not any(e is x for x in doubtful))
@@ -189,7 +189,7 @@ def _without_harmful(problem: Problem, final: Final, files, torques) -> Written:
     return trial, written[1], written[2]
 
 
-def _worse(problem: Problem, torque: np.ndarray) -> dict[int, float]:
+def worse_axes(problem: Problem, torque: np.ndarray) -> dict[int, float]:
     """Return the axes on which a model follows the training motion worse than the given robot, with the ratio.
 
     Asked are the samples that can be judged, and all in motion: a file is used beside reversals too. Of what can be

@@ -131,7 +131,7 @@ def draw_held_out(models: str | Path, axis: int, output: str | Path) -> None:
     index = np.flatnonzero(_test_of(models, trajectory))
     if not len(index):
         index = np.arange(len(time))
-    index = _longest_run(index, time)[:SAMPLES_SHOWN]
+    index = longest_run(index, time)[:SAMPLES_SHOWN]
     figure = new_figure(2.9)
     axes = figure.add_subplot()
     t = time[index] - time[index[0]]
@@ -147,7 +147,7 @@ def draw_held_out(models: str | Path, axis: int, output: str | Path) -> None:
     save(figure, output, "Held-out torque", f"Torque of joint {axis + 1} on held-out motion; RMS error: {text}.")
 
 
-def _longest_run(index: np.ndarray, time: np.ndarray) -> np.ndarray:
+def longest_run(index: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Return the longest run of samples in a row in which time (m,) [s] goes on without a gap."""
     step = np.diff(time[index])
     usual = np.median(step[step > 0]) if np.any(step > 0) else 0.0

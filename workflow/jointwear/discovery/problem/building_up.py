@@ -163,14 +163,14 @@ def built_up_anywhere(
         return alone
     over_position = np.concatenate([inertial, _over_position(usable, position)], axis=-1)
     gates = [found(np.concatenate([over_position, pulls()], axis=-1))]
-    levels = _of_records(usable, record, velocity)
+    levels = records_apart(usable, record, velocity)
     if levels.shape[-1]:
         gates.append(found(np.concatenate([inertial, levels], axis=-1)))
     shown = [all(own) for own in zip(alone, *gates, strict=True)]
     return [own if there else None for own, there in zip(found(over_position), shown, strict=True)]
 
 
-def _of_records(usable: np.ndarray, record: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def records_apart(usable: np.ndarray, record: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return columns (N, n, k) of by how much friction of each axis differs in all records but the first with samples
     that are `usable` (N, n); of many records, of :data:`PARTS` of them that follow each other."""
     labels, first = np.unique(record[usable.any(axis=1)], return_index=True)

@@ -50,7 +50,7 @@ def motion_restrictions(problem: Problem, name: str, clock: str = "s") -> list[s
         )
     found = _not_judged(problem) + unseen_slow_motion(_with_unsure(problem), problem.judged) + _at_rest_in_test(problem)
     found += _too_coarse(problem) + _built_up(problem)
-    return found + _late_velocities(problem.measured) + _of_temperature(problem) + _motors_not_in_file(problem)
+    return found + late_velocities(problem.measured) + _of_temperature(problem) + _motors_not_in_file(problem)
 
 
 def _not_judged(problem: Problem) -> list[str]:
@@ -113,7 +113,7 @@ def _built_up(problem: Problem) -> list[str]:
     ]
 
 
-def _late_velocities(measured: Measured) -> list[str]:
+def late_velocities(measured: Measured) -> list[str]:
     """Return in words by how much given velocities lagged their positions, or ran ahead."""
     found, lag = [], measured.velocity_lag
     done = "put right" if measured.velocity_used else "too long to be put right, and no given velocity is used"

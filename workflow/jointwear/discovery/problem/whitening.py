@@ -169,7 +169,7 @@ class White:
         """Return the discrepancy (N_train,) [N m] of one axis less drives and inertial parameters as fitted."""
         problem, fit = self.problem, self._base_fit
         left = np.array(problem.discrepancy[problem.train, axis])
-        friction, inertial = _base_columns(problem, axis, self.cutoffs[axis])
+        friction, inertial = base_columns(problem, axis, self.cutoffs[axis])
         for term, where in zip(fit.terms, fit.slices, strict=True):
             if term.drive == (axis,):
                 left -= friction @ fit.theta[where]
@@ -273,7 +273,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
             targets.append(np.zeros(0))
             continue
         targets.append(white(problem.discrepancy[problem.train, axis]))
-        friction, columns = _base_columns(problem, axis, cutoffs[axis])
+        friction, columns = base_columns(problem, axis, cutoffs[axis])
         raw = _raw(problem, axis, cutoffs[axis], white, friction)
         base.append(
             Term(f"friction {axis}", {axis: white(friction)}, problem.friction_prior(axis), {axis: raw}, (axis,))
@@ -298,7 +298,7 @@ def whiten(problem: Problem, whiteners: list[Whitener | None]) -> White:
     return White(problem, whiteners, targets, base, directions, cutoffs)
 
 
-def _base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.ndarray, np.ndarray]:
+def base_columns(problem: Problem, axis: int, cutoffs: Cutoffs) -> tuple[np.ndarray, np.ndarray]:
     """Return the columns of the drive (N_train, 4) and of the inertial directions (N_train, r) of one axis."""
     friction = problem.friction_columns(problem.train_state, axis, velocities(problem, axis, cutoffs))
     friction[:, 3:] = _limited(problem, cutoffs, friction[:, 3:])

@@ -159,7 +159,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
     before = [t for n in named for t in n.terms]
     found, failed = predictive(white, before, trial)
     if trial.candidate.effect == LINK_MASS:
-        return failed + _mass_refusals(white, before, trial)
+        return failed + mass_refusals(white, before, trial)
     half = 0.5 * settings.accept
     beside = white.fit(before)
     beyond = bound_missed(white, beside, trial)
@@ -188,7 +188,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             nats = nats_beside_levels(white, before, trial)
             gates.append(("nats beside a level of its own in each record", nats, half))
         if effect.of_drive:
-            sigmas = _sigmas(white, before, beside, trial)
+            sigmas = sigmas_off(white, before, beside, trial)
             gates.append(("standard deviations by which it is off", sigmas, settings.mass_sigmas))
         if effect.rubs:
             gates.append(("nats of its friction", _nats_of_friction(beside, trial, effect.rubs), half))
@@ -224,7 +224,7 @@ def nats_without_witnesses(white: White, before: list[Term], one: Named, witness
     return gain(b, gram, one.term.std)
 
 
-def _mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refusal]:
+def mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refusal]:
     """Refuse a link mass that stays within what the prior says of it: a wrong parameter, not one that stands out."""
     settings = white.problem.settings
     free = [t for t in white.base if t.label != INERTIAL]
@@ -246,12 +246,12 @@ def _cancels(white: White, trial: Named) -> float:
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
     torque = fitted_torque(white, white.fit(), trial.candidate, trial.term.blocks, trial.term.std)
-    torque = _without_drives(problem, axis, torque)
+    torque = without_drives(problem, axis, torque)
     discrepancy = problem.discrepancy[problem.train, axis][used]
     return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300)))
 
 
-def _without_drives(problem: Problem, axis: int, torque: np.ndarray) -> np.ndarray:
+def without_drives(problem: Problem, axis: int, torque: np.ndarray) -> np.ndarray:
     """Return torque (N_usable,) [N m] of one axis without what friction and motor inertia could take over of it."""
     friction = problem.friction_columns(problem.train_state, axis)[problem.usable[:, axis]]
     return torque - friction @ np.linalg.lstsq(friction, torque, rcond=None)[0]
@@ -273,12 +273,12 @@ def share_of_torque(white: White, candidate: Candidate, coefficients: np.ndarray
             record = np.unique(np.asarray(problem.train_state.record)[used], return_inverse=True)[1]
             whole = whole - (np.bincount(record, whole) / np.bincount(record))[record]
         if get_effect(candidate.effect).of_drive:
-            torque = _without_drives(problem, axis, torque)
+            torque = without_drives(problem, axis, torque)
         shares.append(np.sqrt(np.mean(torque**2) / max(float(np.mean(whole**2)), 1e-300)))
     return float(max(shares))
 
 
-def _sigmas(white: White, before: list[Term], beside: Fit, trial: Named) -> float:
+def sigmas_off(white: White, before: list[Term], beside: Fit, trial: Named) -> float:
     """Return the most standard deviations by which a coefficient of an effect is off, by what is left on its axis.
 
     Nats count the noise alone: where the model misses more than that of an axis, they promise too much.

@@ -27,7 +27,7 @@ def lead_over_links(white: White, before: list[Term], trial: Named) -> float:
     if links is None:
         return body
     beside = Fit(white.targets, [*rest, *before, trial.term])
-    best, other = (_nats_of_links(white, links.std, *fit.gram(links.blocks)) for fit in (beside, without))
+    best, other = (nats_of_links(white, links.std, *fit.gram(links.blocks)) for fit in (beside, without))
     return max(body + best, _nats_of_last(white, links, without)) - other
 
 
@@ -42,7 +42,7 @@ def _nats_of_last(white: White, links: Term, without: Fit) -> float:
     return float(gain(*without.gram(blocks), np.concatenate([links.std, more])))
 
 
-def _nats_of_links(white: White, std: np.ndarray, b: np.ndarray, gram: np.ndarray) -> float:
+def nats_of_links(white: White, std: np.ndarray, b: np.ndarray, gram: np.ndarray) -> float:
     """Return the nats of the links, as well known as said or less well, of their sums `b` (r,) and `gram` (r, r).
 
     Parameters

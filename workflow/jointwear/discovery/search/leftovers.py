@@ -77,7 +77,7 @@ def unexplained(
                 continue
             p, nats = chance(statistic, freedom, len(white.targets[axis]))
             rows = white.whiteners[axis].rows
-            low, high = _where(basis, seen, rows)
+            low, high = range_covered(basis, seen, rows)
             share = (high - low) / max(float(np.ptp(basis.values[rows])), 1e-300)
             entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, LEAST_P), nats, share)
             profile.append(entry)
@@ -235,7 +235,7 @@ def without_outliers(fit: Fit, sigmas: float, unknown: Mapping[int, np.ndarray] 
     return Fit([y - e for y, e in zip(fit.targets, excess, strict=True)], fit.terms)
 
 
-def _where(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
+def range_covered(basis: Basis, seen: Seen, rows: np.ndarray) -> tuple[float, float]:
     """Return the range of the argument that the strongest columns of a basis cover, of those that hold anything."""
     size = np.abs(seen.b) / np.sqrt(np.maximum(np.diag(seen.gram), 1e-12))
     strong = np.flatnonzero(seen.good)[size > STRONG * size.max()]

@@ -30,7 +30,7 @@ LABEL = "force at the flange"
 
 def outside_force(white: White, dictionary: Dictionary) -> Term | None:
     """Return the term of a force at the flange that explains more than any effect of the library, None for none."""
-    term = _term(white)
+    term = force_term(white)
     if term is None:
         return None
     fit, accept = white.fit(), white.problem.settings.accept
@@ -51,7 +51,7 @@ def force_beside(white: White, named: Sequence[Named]) -> Term | None:
     no_body = [n for n in named if n.candidate.axis is None and get_effect(n.candidate.effect).sound is None]
     if not no_body:
         return None
-    term = _term(white)
+    term = force_term(white)
     if term is None:
         return None
     settings = white.problem.settings
@@ -93,7 +93,7 @@ def force_in_words(force: np.ndarray) -> str:
     )
 
 
-def _term(white: White) -> Term | None:
+def force_term(white: White) -> Term | None:
     """Return the columns of a force at the flange, as strong as the weight of a usual load; None without gravity.
 
     It usually changes by as much over the way of the flange.

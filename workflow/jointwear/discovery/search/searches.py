@@ -12,9 +12,10 @@ from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.saturated import estimate_noise
 from jointwear.discovery.problem.whitening import White, whiten
 from jointwear.discovery.search.acceptance import of_timing
-from jointwear.discovery.search.decide import decide, settle
+from jointwear.discovery.search.decide import decide
 from jointwear.discovery.search.outside_force import beside_force, force_beside, force_of, outside_force
 from jointwear.discovery.search.rocking import swings
+from jointwear.discovery.search.standing_alone import settle
 
 
 def whitened(problem: Problem) -> White:
@@ -55,13 +56,13 @@ def explains_shaking(outcome: Outcome) -> bool:
     feigned = max((n.evidence for n in timing if not swings(n)), default=0.0)
     if any(n.evidence > weak or (n.candidate.axis not in lacking and n.evidence > feigned) for n in gears):
         return True
-    drives = _shared_drives(outcome.named, weak)
+    drives = pairs_of_drives(outcome.named, weak)
     if drives and {int(a) for a in np.flatnonzero(replace(outcome.problem, still=False).shaken)} in drives:
         return True
     return bool(outcome.named) and not outcome.unexplained and not timing
 
 
-def _shared_drives(named: list[Named], weak: float) -> list[set[int]]:
+def pairs_of_drives(named: list[Named], weak: float) -> list[set[int]]:
     """Return the pairs of 0-based axes each of which names the other as turning one drive with it, or that have one
     name.
 

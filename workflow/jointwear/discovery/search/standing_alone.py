@@ -38,6 +38,13 @@ _STEEPER_WAVES = (
 )
 
 
+def settle(outcome: Outcome) -> None:
+    """Fit the named effects again and test what they leave; names that do not stand beside it become suspects."""
+    fit_again(outcome)
+    if outcome.named:
+        stand_alone(outcome)
+
+
 def stand_alone(outcome: Outcome) -> None:
     """Turn names that something else could stand for as well into suspects.
 

@@ -72,13 +72,13 @@ def wound_up_further_in(outcome: Outcome, one: Named) -> int | None:
     others = outcome.terms_beside(one)
     lacking = {u.axis for u in outcome.unexplained} | {n.candidate.axis for n, _ in outcome.suspects if swings(n)}
     for inner in sorted(a for a in lacking if a is not None and a < candidate.axis):
-        wind_up = _wind_up_of(outcome, inner, candidate.axis)
+        wind_up = wind_up_of(outcome, inner, candidate.axis)
         if wind_up is not None and predictive(outcome.white, [*others, wind_up], one)[1]:
             return inner
     return None
 
 
-def _wind_up_of(outcome: Outcome, inner: int, axis: int) -> Term | None:
+def wind_up_of(outcome: Outcome, inner: int, axis: int) -> Term | None:
     """Return the term of what the wind-up of one joint, load over stiffness, changes of the torque of another; None
     where it changes nothing of it."""
     white, state = outcome.white, outcome.white.timing_state(inner)

@@ -1,0 +1,92 @@
+"""Names that do not stand once all names, and all that they leave, are known."""
+
+from __future__ import annotations
+
+from jointwear.discovery import assumed
+from jointwear.discovery.estimates.effect_estimates import links_error
+from jointwear.discovery.estimates.outcome import Outcome, Refusal
+from jointwear.discovery.problem.candidates import (
+    LINK_MASS,
+)
+from jointwear.discovery.search.acceptance import (
+    nats_without_witnesses,
+    of_drive,
+    of_late_torque,
+)
+from jointwear.discovery.search.early_torque import delay_of
+from jointwear.discovery.search.forms_beyond import of_another_form
+from jointwear.discovery.search.standing_alone import settle
+
+
+def believe_no_bent_links(outcome: Outcome) -> None:
+    """Take the names back that nothing but a joint with structure left asks for.
+
+    It bends the links that it shares with the others, and a factor of all torque or a spring there makes up for that.
+    """
+    half = 0.5 * outcome.problem.settings.accept
+    gate = "nats where joints that stay unexplained say nothing of the links"
+    bent = {u.axis for u in outcome.unexplained}
+    refused = []
+    for one in outcome.named:
+        axis = one.candidate.axis
+        if axis is None or one.candidate.effect == LINK_MASS or not bent - {axis}:
+            continue
+        nats = nats_without_witnesses(outcome.white, outcome.terms_beside(one), one, bent - {axis})
+        if nats < half:
+            refused.append(Refusal(one.candidate, one.evidence, gate, nats, half))
+    _take_back(outcome, refused)
+
+
+def believe_no_unknown_loads(outcome: Outcome) -> None:
+    """Take the names back of a factor of all torque of a joint of whose load the fit corrects a large share.
+
+    How far that torque is off is known no better than the load itself: the interval of such a factor holds none.
+    """
+    least = outcome.problem.settings.mass_sigmas
+    gate = "load of its joint over what the fit corrects of the links there"
+    refused = []
+    for one in outcome.named:
+        share = links_error(outcome.white, outcome.fit, one.candidate) if of_drive(one.candidate) else 0.0
+        if share * least > 1.0:
+            refused.append(Refusal(one.candidate, one.evidence, gate, 1.0 / share, least))
+    _take_back(outcome, refused)
+
+
+def believe_no_delay_within_the_clock(outcome: Outcome) -> None:
+    """Take the names back of delays that are shorter than the time of a torque is known to.
+
+    A controller whose torque is logged a part of its own period beside the position does that on all joints; where the
+    model of the others is too coarse to say so, one joint alone would get the name.
+    """
+    gate = "delay over what the time of a torque is known to"
+    refused = []
+    for one in outcome.named:
+        if of_late_torque(one.candidate):
+            delay = abs(delay_of(outcome, one)) * outcome.problem.measured.logged_rate / assumed.CLOCK
+            if delay < 1.0:
+                refused.append(Refusal(one.candidate, one.evidence, gate, delay, 1.0))
+    _take_back(outcome, refused)
+
+
+def believe_no_form_beyond_its_bounds(outcome: Outcome) -> None:
+    """Turn the names of which the data would have another form into suspects where structure is left without them."""
+    needed = 0.5 * outcome.problem.settings.accept
+    gate = "nats that it does not lack within the bounds of its parameters"
+    found = list(of_another_form(outcome.white, outcome.named))
+    _take_back(outcome, [Refusal(n.candidate, n.evidence, gate, -nats, -needed) for n, nats in found])
+    still = {u.axis for u in outcome.unexplained}
+    for one, nats in found:
+        if one.candidate.axis in still:
+            reason = (
+                f"parameters beyond their bounds would explain {nats:.0f} nats more, and its form bends all the same"
+            )
+            outcome.suspects.append((one, reason))
+
+
+def _take_back(outcome: Outcome, refused: list[Refusal]) -> None:
+    """Take the names back that are refused, if any, and settle what is left."""
+    if refused:
+        outcome.refusals += refused
+        keys = {r.candidate.key for r in refused}
+        outcome.named = [n for n in outcome.named if n.candidate.key not in keys]
+        settle(outcome)
