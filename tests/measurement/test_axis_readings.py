@@ -16,7 +16,14 @@ from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.effects import make_state
 from jointwear.measurement.checks import axes_check, axis_readings
 from jointwear.measurement.checks.axes_check import FAVOURS, check_axes, explained, explained_otherwise, favours
-from jointwear.measurement.checks.axis_readings import Likelihood, Reading, _solved, other_scale, readings, units_of_one
+from jointwear.measurement.checks.axis_readings import (
+    Likelihood,
+    Reading,
+    least_solution,
+    other_scale,
+    readings,
+    units_of_one,
+)
 from jointwear.measurement.checks.checked import checked
 from jointwear.measurement.checks.other_zero import zero_in_words
 from jointwear.measurement.derived.motion import measure
@@ -324,7 +331,7 @@ def test_what_another_reading_leaves_is_what_is_left_of_the_samples_read_that_wa
 
 def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording, puma):
     measured = measure(recording)
-    parts, _, usable = axes_check._features(measured)
+    parts, _, usable = axes_check.features(measured)
     dynamics = Dynamics(puma)
 
     def leaves_much(reading, left):
@@ -338,7 +345,7 @@ def test_some_of_the_samples_refute_no_reading_that_all_of_them_do_not(recording
 
 
 def test_what_bodies_do_to_an_axis_is_the_same_without_those_that_it_does_not_feel(recording, puma):
-    parts, _, _ = axes_check._features(measure(recording))
+    parts, _, _ = axes_check.features(measure(recording))
     parts, likelihood = parts[:200], Likelihood(Dynamics(puma), 40)
     of_motion, factor = likelihood._of_motion(parts[:, :3]), likelihood._factor
     regressor = axis_readings.inertial_regressor(Dynamics(puma), *(parts[:, k] for k in range(3)))
@@ -350,7 +357,7 @@ def test_what_bodies_do_to_an_axis_is_the_same_without_those_that_it_does_not_fe
 
 
 def test_torques_that_are_read_otherwise_ask_nothing_of_the_same_motion_again(recording, puma, monkeypatch):
-    parts, _, usable = axes_check._features(measure(recording))
+    parts, _, usable = axes_check.features(measure(recording))
     asked, regressor = [], axis_readings.inertial_regressor
     monkeypatch.setattr(axis_readings, "inertial_regressor", lambda *x: asked.append(1) or regressor(*x))
     kept = Likelihood(Dynamics(puma), 40)
@@ -426,6 +433,6 @@ def test_the_interval_knows_that_the_zero_of_a_spring_is_open(puma):
 
 def test_equations_that_rounding_makes_singular_have_the_solution_that_comes_nearest():
     matrix = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
-    np.testing.assert_allclose(_solved(matrix, np.array([2.0, 2.0, 4.0])), [1.0, 1.0, 2.0])
+    np.testing.assert_allclose(least_solution(matrix, np.array([2.0, 2.0, 4.0])), [1.0, 1.0, 2.0])
     regular = matrix + np.eye(3)
-    np.testing.assert_array_equal(_solved(regular, matrix[0]), np.linalg.solve(regular, matrix[0]))
+    np.testing.assert_array_equal(least_solution(regular, matrix[0]), np.linalg.solve(regular, matrix[0]))

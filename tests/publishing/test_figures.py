@@ -221,7 +221,7 @@ def test_colours_of_a_ramp_start_and_end_at_its_stops():
 def test_every_colour_of_the_theme_is_defined_in_both_themes():
     style = (ROOT / "report/style.css").read_text(encoding="utf-8")
     light, _, dark = style.partition("@media (prefers-color-scheme: dark)")
-    for name in palette._VARIABLES.values():
+    for name in palette.VARIABLES.values():
         assert f"{name}:" in light, name
         assert f"{name}:" in dark.partition("* { box-sizing")[0], name
 
@@ -230,7 +230,7 @@ def test_figures_use_only_colours_that_a_theme_can_replace(experiment):
     """In the line figures every colour is one of the palette, so that none stays behind in the dark theme."""
     for name in ("figure_1", "figure_2", "figure_3", "figure_4"):
         used = set(COLOUR.findall(Path(experiment.path("figures", f"{name}.svg")).read_text(encoding="utf-8")))
-        assert used <= set(palette._VARIABLES), (name, used - set(palette._VARIABLES))
+        assert used <= set(palette.VARIABLES), (name, used - set(palette.VARIABLES))
 
 
 def test_no_flipped_bit_of_a_picture_is_believed(tmp_path):

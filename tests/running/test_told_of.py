@@ -43,10 +43,10 @@ def test_what_no_file_holds_is_told_as_before(files, tmp_path):
 
 def test_a_job_names_the_file_that_the_key_came_from(files, monkeypatch):
     """What jobs found was said of `config`, what the call found before them of the file."""
-    monkeypatch.setenv(told_of._SOURCES, "")
+    monkeypatch.setenv(told_of.SOURCES, "")
     error = InputError("config: 'monitor.robots.arm.baseline' holds too little")
     assert message_of(error) == f"jointwear: {error}"
     lend_sources(files, {"crate": "old.zip", "trust": {"whom": "secret"}})
     assert message_of(error) == f"jointwear: {files[0]}: 'monitor.robots.arm.baseline' holds too little"
     assert message_of(InputError("config: 'crate' is old.zip")) == "jointwear: --config: 'crate' is old.zip"
-    assert "secret" not in told_of.os.environ[told_of._SOURCES]
+    assert "secret" not in told_of.os.environ[told_of.SOURCES]

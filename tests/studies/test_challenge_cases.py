@@ -196,13 +196,13 @@ def test_every_hidden_thing_acts_where_it_says(world, name):
             assert set(np.flatnonzero(np.abs(torque).max(axis=0))) <= {hidden.axis, *hidden.also}
 
 
-@pytest.mark.parametrize("form", sorted(structure_forms._FORMS))
+@pytest.mark.parametrize("form", sorted(structure_forms.FORMS))
 @settings(max_examples=25, deadline=None)
 @given(steps=st.lists(st.floats(-0.02, 0.02), min_size=2, max_size=80))
 def test_presliding_stays_within_coulomb_friction_and_saturates(form, steps):
-    state = structure_forms._FORMS[form](np.array(steps), 0.03, 0.0)
+    state = structure_forms.FORMS[form](np.array(steps), 0.03, 0.0)
     assert np.all(np.abs(state) <= 1 + 1e-9)
-    slid = structure_forms._FORMS[form](np.array([*steps, *[0.02] * 60]), 0.03, 0.0)
+    slid = structure_forms.FORMS[form](np.array([*steps, *[0.02] * 60]), 0.03, 0.0)
     assert slid[-1] == pytest.approx(1, abs=1e-6)
 
 

@@ -311,7 +311,7 @@ def test_chapter_and_figures_are_made_of_outcomes(worn, tmp_path):
     scores = summary(facts)
     assert "found 1 of 1" in sample.table(scores)
     cell = {"axis": 1, "increase": 10.0, "moves": True, "runs": 2, "detected": 1, "named": 1, "hour": 60.0}
-    grid = stages._grid({"T1": {"cells": [cell, {**cell, "moves": False}], "false": 1, "hours": 500, "rate": 0.3}})
+    grid = stages.paper_grid({"T1": {"cells": [cell, {**cell, "moves": False}], "false": 1, "hours": 500, "rate": 0.3}})
     assert (grid["cells"], grid["whole"], grid["missed"]) == (1, 0, ["T1 axis 1, 10 %"])
     curve = {"days": [0.0, 14.0], "found": [0.0, 1.0]}
     chapter = {

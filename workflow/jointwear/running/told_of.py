@@ -18,7 +18,7 @@ from jointwear.files.errors import InputError
 _KEY = re.compile(r"config: (?:unknown key )?'(?P<key>[^']+)'")
 
 #: Variable of the environment by which a call tells its jobs where their values come from.
-_SOURCES = "JOINTWEAR_CONFIGURATION"
+SOURCES = "JOINTWEAR_CONFIGURATION"
 
 
 def lend_sources(files: Iterable[str | Path], given: Mapping[str, Any]) -> None:
@@ -28,13 +28,13 @@ def lend_sources(files: Iterable[str | Path], given: Mapping[str, Any]) -> None:
     ----------
     files, given : as of :func:`named_in_file`.
     """
-    os.environ[_SOURCES] = json.dumps({"files": [str(path) for path in files], "given": _keys(given)})
+    os.environ[SOURCES] = json.dumps({"files": [str(path) for path in files], "given": _keys(given)})
 
 
 def named_as_lent(message: str) -> str:
     """Return :func:`named_in_file` of the sources that :func:`lend_sources` told of, the message itself without any."""
     try:
-        told = json.loads(os.environ.get(_SOURCES, ""))
+        told = json.loads(os.environ.get(SOURCES, ""))
         return named_in_file(message, told["files"], told["given"])
     except (ValueError, TypeError, KeyError):
         return message

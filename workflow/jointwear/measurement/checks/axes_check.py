@@ -86,7 +86,7 @@ RIGHT, SAME_WRIST = 0.01, 0.03
 BEST = 3
 
 
-def _features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def features(measured: Measured) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions, velocities, accelerations and torques of a thinned recording that moves, (m, 4, n)."""
     n = measured.position.shape[1]
     if not len(measured.time):
@@ -254,7 +254,7 @@ def _spoils(left: np.ndarray, other: np.ndarray) -> bool:
 def signs_of(robot: Robot, measured: Measured) -> Nats:
     """Return :func:`~.turned_signs.nats_of_signs` of a recording, which :func:`check_axes` and :func:`signs_in_doubt`
     both ask."""
-    parts, _, usable = _features(measured)
+    parts, _, usable = features(measured)
     return nats_of_signs(Dynamics(robot), parts, usable)
 
 
@@ -276,7 +276,7 @@ def check_axes(
     ------
     Refused : for swapped joints, torques or positions, a flipped axis, motor-side torque, another zero.
     """
-    parts, time, usable = _features(measured)
+    parts, time, usable = features(measured)
     if len(time) < FEWEST_OF_JOINT:
         return False
     dynamics = Dynamics(robot)
@@ -356,7 +356,7 @@ def signs_in_doubt(robot: Robot, measured: Measured, signs: Nats, stated: Stated
     ----------
     measured, signs, stated : as of :func:`check_axes`, which did not refuse them.
     """
-    parts, time, usable = _features(measured)
+    parts, time, usable = features(measured)
     if len(time) < FEWEST_OF_JOINT:
         return []
     dynamics = Dynamics(robot)

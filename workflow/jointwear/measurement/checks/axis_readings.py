@@ -323,7 +323,7 @@ class Likelihood:
         left = np.ones(len(sums))
         for _ in range(ROUNDS):
             total = np.tensordot(1 / left, sums, 1)
-            theta = _solved(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
+            theta = least_solution(total[:-1, :-1] + np.eye(len(total) - 1), total[:-1, -1])
             error = np.append(-theta, 1.0)
             left = np.maximum(sums @ error @ error, 0.0) / count + MODEL_ERROR
         return -float(0.5 * count @ np.log(left)) - 0.5 * float(theta @ theta)
@@ -364,7 +364,7 @@ class Likelihood:
         return np.where(unknown, free, DRIVE_ERROR * drives)
 
 
-def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+def least_solution(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the solution (k,) of equations (k, k), the smallest of those that come nearest where they have none.
 
     Where positions that are none make torques many decades beyond the measured ones, rounding takes the prior's one

@@ -25,7 +25,7 @@ DASHES = ("solid", (0, (6, 1.5)), (0, (3, 1)), (0, (6, 1.5, 1.5, 1.5)), (0, (1.2
 SEQUENTIAL = ("#f4f7fa", "#c3d7ea", "#8dbbdf", "#1f6fa9", "#084a82")
 DIVERGING = ("#a65000", "#e79a52", "#f7f6f4", "#78b0d6", "#0a5a96")
 
-_VARIABLES = {
+VARIABLES = {
     INK: "--ink",
     MUTED: "--muted",
     GRID: "--rule",
@@ -65,4 +65,4 @@ def text_on(colour: str) -> str:
 
 def themed(style: str) -> str:
     """Replace every colour of the palette in a CSS text by its variable."""
-    return _COLOUR.sub(lambda m: f"var({_VARIABLES[m[0]]})" if m[0] in _VARIABLES else m[0], style)
+    return _COLOUR.sub(lambda m: f"var({VARIABLES[m[0]]})" if m[0] in VARIABLES else m[0], style)

@@ -116,7 +116,7 @@ def presliding(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:
         parts = []
         for path in world.paths:
             position = path.at(fine)[0]
-            state = _FORMS[form](np.diff(position[:, axis]), reach, damping / step)
+            state = FORMS[form](np.diff(position[:, axis]), reach, damping / step)
             parts.append(state[::5])
         z = np.concatenate(parts)
         return on_axis(axis, height * (z - np.sign(world.state.velocity[:, axis])), scene.joints)
@@ -174,7 +174,7 @@ def _dahl_half(steps: np.ndarray, reach: float, damping: float) -> np.ndarray:
     return np.array(result)
 
 
-_FORMS = {"lugre": _lugre, "maxwell_slip": _maxwell_slip, "dahl_half": _dahl_half}
+FORMS = {"lugre": _lugre, "maxwell_slip": _maxwell_slip, "dahl_half": _dahl_half}
 
 
 def delay(scene: Scene, rng: np.random.Generator, axis: int) -> Hidden:

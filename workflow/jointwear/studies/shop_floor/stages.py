@@ -48,12 +48,12 @@ def summarise(
         "curves": [{"rate": rate, **curve([f for f in facts if f["rate"] == rate])} for rate in rates],
         "refused": sum(bool(f["refused"]) for f in facts if f["rate"] == rates[0]),
         "before": read_json(before, list),
-        "grid": _grid({task: read_json(path) for task, path in grid.items()}),
+        "grid": paper_grid({task: read_json(path) for task, path in grid.items()}),
     }
     write_json(output, chapter)
 
 
-def _grid(tasks: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+def paper_grid(tasks: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
     """Return what the judgement finds on the paper's grid: cells that move, those found in every run, false alarms."""
     cells = [{"task": task, **cell} for task, found in tasks.items() for cell in found["cells"] if cell["moves"]]
     runs, detected = sum(c["runs"] for c in cells), sum(c["detected"] for c in cells)
