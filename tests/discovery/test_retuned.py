@@ -93,7 +93,7 @@ def test_parameters_that_are_each_within_their_tolerance_are_told_where_all_toge
     # Within its own error nothing is wrong, whatever predicts better.
     told, asked = retuned.farthest_together(found.final), retuned.corrected_parameter
     assert [one.parameter for one in told] == [one["parameter"]]
-    monkeypatch.setattr(retuned, "_corrected", lambda *place: (asked(*place)[0], 0.9, asked(*place)[2]))
+    monkeypatch.setattr(retuned, "corrected_parameter", lambda *place: (asked(*place)[0], 0.9, asked(*place)[2]))
     assert retuned.farthest_together(found.final) == []
     # The robot as it is has nothing to be told, and its file stays.
     assert discover(make_case(robot, 5), robot).verdict == "none"

@@ -12,7 +12,7 @@ from jointwear.discovery.model.fallback import AS_FITTED, OF_LINKS, OWN, Step
 
 def test_a_bad_file_of_one_kind_leaves_the_other_alone(rooted, monkeypatch):
     problem, bad = rooted.problem, rooted.torques["retuned"]
-    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {0: 1.2} if np.allclose(torque, bad) else {})
+    monkeypatch.setattr(sound_files, "worse_axes", lambda _, torque: {0: 1.2} if np.allclose(torque, bad) else {})
     final, files, torques = sound_files.sound_files(problem, rooted.final.outcome)
     assert np.array_equal(torques["augmented"], rooted.torques["augmented"])
     assert files["augmented"].data == rooted.files["augmented"].data
@@ -39,7 +39,7 @@ def test_links_of_a_bad_file_are_closer_to_those_given_before_they_are_as_given(
     nominal = sound_files.write_files(rooted.problem, of(None, OF_LINKS[-1]))[2]["augmented"]
     most = 1.1 * np.max(np.abs(torque(0.25) - nominal))
     monkeypatch.setattr(sound_files, "finalise", of)
-    monkeypatch.setattr(sound_files, "_worse", lambda _, t: {1: 1.5} if np.max(np.abs(t - nominal)) > most else {})
+    monkeypatch.setattr(sound_files, "worse_axes", lambda _, t: {1: 1.5} if np.max(np.abs(t - nominal)) > most else {})
     asked.clear()
     final, _, torques = sound_files.sound_files(rooted.problem, rooted.final.outcome)
     # Each width is fitted once for both files.
@@ -48,7 +48,7 @@ def test_links_of_a_bad_file_are_closer_to_those_given_before_they_are_as_given(
     assert torques["augmented"] == pytest.approx(torque(0.25))
     # Where links as given do not mend a file, no other width is asked.
     given = rooted.torques["nominal"]
-    monkeypatch.setattr(sound_files, "_worse", lambda _, t: {} if np.allclose(t, given) else {1: 1.5})
+    monkeypatch.setattr(sound_files, "worse_axes", lambda _, t: {} if np.allclose(t, given) else {1: 1.5})
     asked.clear()
     sound_files.sound_files(rooted.problem, rooted.final.outcome)
     assert asked == [np.inf, 0.0]
@@ -56,7 +56,7 @@ def test_links_of_a_bad_file_are_closer_to_those_given_before_they_are_as_given(
 
 def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_stays(rooted, monkeypatch):
     nominal = rooted.torques["nominal"]
-    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {} if np.allclose(torque, nominal) else {1: 1.5})
+    monkeypatch.setattr(sound_files, "worse_axes", lambda _, torque: {} if np.allclose(torque, nominal) else {1: 1.5})
     final, _, torques = sound_files.sound_files(rooted.problem, rooted.final.outcome)
     assert torques["augmented"] == pytest.approx(nominal, abs=1e-6)
     assert not final.estimates
@@ -69,7 +69,7 @@ def test_where_every_file_is_worse_the_robot_is_written_as_given_and_the_name_st
 def test_for_one_joint_only_what_acts_on_it_alone_is_as_given(rooted, monkeypatch):
     nominal, axis = rooted.torques["nominal"], 2
     own = nominal[:, axis]
-    monkeypatch.setattr(sound_files, "_worse", lambda _, t: {} if np.allclose(t[:, axis], own) else {axis: 1.5})
+    monkeypatch.setattr(sound_files, "worse_axes", lambda _, t: {} if np.allclose(t[:, axis], own) else {axis: 1.5})
     final, _, torques = sound_files.sound_files(rooted.problem, rooted.final.outcome)
     assert torques["augmented"][:, axis] == pytest.approx(own, abs=1e-6)
     assert np.all(final.delta_friction[axis] == 0.0)
@@ -82,7 +82,7 @@ def test_for_one_joint_only_what_acts_on_it_alone_is_as_given(rooted, monkeypatc
 def test_an_effect_that_the_file_does_without_is_a_suspect_beside_structure(rooted, monkeypatch, left):
     """What nobody can name may be all that it has found; where nothing is left it keeps its name."""
     harmful = rooted.torques["augmented"]
-    monkeypatch.setattr(sound_files, "_worse", lambda _, torque: {2: 3.0} if np.allclose(torque, harmful) else {})
+    monkeypatch.setattr(sound_files, "worse_axes", lambda _, torque: {2: 3.0} if np.allclose(torque, harmful) else {})
     monkeypatch.setattr(sound_files, "finalise", lambda outcome, *_: replace(rooted.final, outcome=outcome))
     unexplained = [Unexplained(2, "time", "s", 0.0, 1.0, 1e-20, 40.0)] if left else []
     outcome = replace(rooted.final.outcome, unexplained=unexplained, suspects=[])
