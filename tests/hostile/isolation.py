@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pickle
+import resource
 import select
 import signal
 import time
@@ -14,8 +16,9 @@ from typing import Any
 
 from jointwear.files.errors import InputError
 
-#: Longest time that one input may take [s].
-LIMIT = 10.0
+#: Longest processor time that one input may take [s], and how many times as long one that waits may take by the clock:
+#: others may use the machine too.
+LIMIT, WAITS = 10.0, 6.0
 
 
 @dataclass(frozen=True)
@@ -31,20 +34,23 @@ def outcome_of(call: Callable[[], Any], limit: float = LIMIT) -> Outcome:
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
+        resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit), math.ceil(limit) + 1))
         _answer(call, write)
     os.close(write)
-    end, parts = time.monotonic() + limit, []
+    end, parts = time.monotonic() + WAITS * limit, []
     with os.fdopen(read, "rb", buffering=0) as pipe:
         while True:
             if not select.select([pipe], [], [], max(0.0, end - time.monotonic()))[0]:
                 os.kill(child, signal.SIGKILL)
                 os.waitpid(child, 0)
-                return Outcome("broken", f"took more than {limit:g} s")
+                return Outcome("broken", f"took more than {WAITS * limit:g} s")
             part = pipe.read(1 << 16)
             if not part:
                 break
             parts.append(part)
     _, status = os.waitpid(child, 0)
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL):
+        return Outcome("broken", f"took more than {limit:g} s of processor time")
     if status or not parts:
         return Outcome("broken", f"the process ended with status {status}")
     return Outcome(*pickle.loads(b"".join(parts)))
