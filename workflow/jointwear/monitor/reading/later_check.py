@@ -10,7 +10,7 @@ the others are compared without it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -48,6 +48,24 @@ MOST_LOST = 0.5
 SLOW, SELDOM = 0.5, 0.1
 
 
+@dataclass
+class _OfBlock:
+    """What was found wrong with the torque of a block; its parts are asked for that before anything else.
+
+    Attributes
+    ----------
+    refusal : what the block was refused with. reading, scale, delay : which mends it; a scale is (n,) or one, a delay [s].
+    held : torques repeat those of rows before. everywhere : all joints are turned around.
+    """
+
+    refusal: Refused | None = None
+    reading: Reading | None = None
+    scale: np.ndarray | float = 1.0
+    delay: float = 0.0
+    held: bool = False
+    everywhere: bool = False
+
+
 class LaterCheck:
     """Compares pieces of one log with the first log.
 
@@ -69,25 +87,21 @@ class LaterCheck:
         self._dynamics, self._dead_band, self._name = dynamics, dead_band, name
         self._largest = np.full(dynamics.robot.joints, np.nan) if largest is None else largest
         self._usual = np.maximum([np.nan if u is None else u for u in usual], RIGHT)
-        self._known: np.ndarray | None = None
+        self._block = _OfBlock()
+        #: Growth of what the model leaves (n,) of the last piece, and of the last that was taken for granted.
         self._last: np.ndarray | None = None
-        self._scale = np.ones(dynamics.robot.joints)
-        self._refusal: Refused | None = None
-        self._reading: Reading | None = None
-        self._held = self._everywhere = False
-        self._delay = 0.0
+        self._known: np.ndarray | None = None
         self._lost = np.zeros(dynamics.robot.joints, dtype=bool)
 
     def begin(self) -> None:
         """Begin another block: another scale, reading or time of the torque that was found, and one that is held, are
         looked for in its parts alone."""
-        self._refusal, self._held, self._everywhere, self._delay = None, False, False, 0.0
-        self._reading = None
+        self._block = _OfBlock()
 
     @property
     def everywhere(self) -> bool:
         """Whether all joints of the block are turned around: so are its parts in which too little moves to show it."""
-        return self._everywhere
+        return self._block.everywhere
 
     def accept(self) -> None:
         """Take what the last piece left for granted, so that pieces like it are not examined again."""
@@ -130,9 +144,9 @@ class LaterCheck:
         check_rows_are_new(chunk, stretch, self._name)
         check_columns_differ(measured, self._dynamics.robot, self._name)
         try:
-            check_torques_are_new(chunk, measured, stretch, self._name, part=self._held)
+            check_torques_are_new(chunk, measured, stretch, self._name, part=self._block.held)
         except Refused:
-            self._held = True
+            self._block.held = True
             raise
         unit = chunk.units.get("torque") or "N m"
         scales = OtherScales(self._dynamics, self._name, self._largest, self._growth, measured, unit)
@@ -148,14 +162,15 @@ class LaterCheck:
 
         self._last = scales.plain
         plain, others = float(np.nansum(self._last)), OtherReadings(self._dynamics, self._grown, self._last)
-        if self._delay:
-            self._check_delay(measured, self._delay)
-        elif self._reading is not None:
+        block = self._block
+        if block.delay:
+            self._check_delay(measured, block.delay)
+        elif block.reading is not None:
             # Each part of a log with one fault may be just below what is no chance.
-            if others.left(self._reading, parts, usable) < plain:
-                raise self._refusal
-        elif self._refusal is not None and scales.left_over(self._scale) <= plain:
-            raise self._refusal
+            if others.left(block.reading, parts, usable) < plain:
+                raise block.refusal
+        elif block.refusal is not None and scales.left_over(block.scale) <= plain:
+            raise block.refusal
         # An axis that went wrong counts in full, though the model may fit the others better than in the first log.
         if float(np.nansum(np.maximum(self._last, 0.0))) < WORSE:
             return nothing
@@ -165,14 +180,14 @@ class LaterCheck:
         self._check_slow(chunk, stretch, motion)
         found = others.find(parts, usable)
         if found:
-            self._everywhere |= whole and found[0].several
-            self._reading, self._refusal = found[0], refusal_of(self._name, found)
-            raise self._refusal
+            block.everywhere |= whole and found[0].several
+            block.reading, block.refusal = found[0], refusal_of(self._name, found)
+            raise block.refusal
         if whole:
             self._check_delay(measured)
         if (scale := scales.find(lightened, whole)) is not None:
-            self._scale, self._refusal = scale
-            raise self._refusal
+            block.scale, block.refusal = scale
+            raise block.refusal
         self._lost = self._hardly(self._last, parts, usable)
         if self._lost.any() and (lighter := without_load(measured, self._dynamics.robot)) is not None:
             self._lost &= self._lost_in(lighter)
@@ -234,7 +249,7 @@ class LaterCheck:
         if found and moved < plain:
             raise off_by(self._name, delay)
         if moved < MENDED and plain - moved > WORSE:
-            self._delay = delay
+            self._block.delay = delay
             raise off_by(self._name, delay)
 
     def _growth(self, parts: np.ndarray, usable: np.ndarray) -> np.ndarray:
