@@ -10,7 +10,7 @@ from monitor_windows import SETTINGS, residuals, statistics_of
 
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.normal.series import friction_series, known_coulomb
-from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.accumulate import Samples, WindowSettings, window_statistics
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.monitor.reading.program_labels import label_text
 from jointwear.monitor.reading.reversals import SLOWEST, pulses, reach_of
@@ -60,7 +60,7 @@ def windows_of_gears(known=1.0):
     model = ModelTorque(*(x.reshape(-1, n) for x in (total, bodies[:, :, 0], bodies[:, :, 1])))
     time = (3600.0 * np.arange(w)[:, None] + np.arange(SAMPLES) / RATE).ravel()
     settings = WindowSettings(3600.0, np.full(n, 0.02), 10 * level, reach=reach_of(RATE))
-    found = window_statistics(time, model=model, settings=settings, stretch=np.repeat(np.arange(w), SAMPLES), **flat)
+    found = window_statistics(Samples(time, model=model, stretch=np.repeat(np.arange(w), SAMPLES), **flat), settings)
     return found, np.stack([level, level], axis=1)
 
 
@@ -144,7 +144,7 @@ def windows_of(error, kept=slice(None)):
     model = ModelTorque(bodies + 1.0, zeros, bodies)
     torque = model.total + error * bodies + 0.1 * random.standard_normal((m, 1))
     settings = WindowSettings(30.0, np.full(1, 0.02), np.full(1, 20.0), reach=reach_of(50.0))
-    return window_statistics(time, zeros, velocity, torque, model, settings, kept=kept)
+    return window_statistics(Samples(time, zeros, velocity, torque, model), settings, kept)
 
 
 def test_bodies_that_are_wrong_show_no_pulses():

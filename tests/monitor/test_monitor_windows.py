@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 from jointwear.files.errors import InputError
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats.chunk import Chunk
-from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.accumulate import Samples, WindowSettings, window_statistics
 from jointwear.monitor.reading.derivation import derive_motion
 from jointwear.monitor.reading.logs import log_statistics
 from jointwear.monitor.reading.survey import survey_log
@@ -26,7 +26,7 @@ SETTINGS = WindowSettings(LENGTH, np.full(6, 0.01), np.array([40, 60, 20, 2, 2, 
 
 def statistics(log, settings=SETTINGS, **how):
     torque = model()(log.position, log.velocity, log.acceleration)
-    return window_statistics(log.time, log.position, log.velocity, log.torque, torque, settings, **how)
+    return window_statistics(Samples(log.time, log.position, log.velocity, log.torque, torque, **how), settings)
 
 
 def coefficients(found, row=0):
@@ -78,9 +78,8 @@ def test_pieces_add_up(cuts, seed):
     def of(part):
         cut = log.part(part)
         piece = type(torque)(torque.total[part], torque.gravity[part], torque.inertial[part])
-        return window_statistics(
-            cut.time, cut.position, cut.velocity, cut.torque, piece, SETTINGS, stretch=stretch[part]
-        )
+        samples = Samples(cut.time, cut.position, cut.velocity, cut.torque, piece, stretch=stretch[part])
+        return window_statistics(samples, SETTINGS)
 
     edges = [0, *sorted(cuts), len(log.time)]
     parts = merge([of(slice(a, b)) for a, b in itertools.pairwise(edges)])

@@ -6,7 +6,7 @@ from monitor_windows import motion, residuals, statistics_of
 
 from jointwear.measurement.flags import Flag
 from jointwear.monitor.findings.odd_motion import CLOCK_SPEED, EXCHANGED, STOPPED, odd_motion_findings
-from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.accumulate import Samples, WindowSettings, window_statistics
 from jointwear.monitor.reading.model import ModelTorque
 from jointwear.monitor.reading.windows import merge
 
@@ -62,7 +62,9 @@ def swings(since, factor):
         position = np.sin(2 * np.pi * np.array([0.2, 0.31, 0.27]) * passed[:, None] + np.arange(3))
         velocity = np.gradient(position, time, axis=0)
         torque = 3 * np.sign(velocity) + 0.1 * np.random.default_rng(k).standard_normal(velocity.shape)
-        parts.append(window_statistics(time, position, velocity, torque, ModelTorque(*3 * [0 * torque]), settings))
+        parts.append(
+            window_statistics(Samples(time, position, velocity, torque, ModelTorque(*3 * [0 * torque])), settings)
+        )
     return merge(parts)
 
 

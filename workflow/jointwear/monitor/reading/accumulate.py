@@ -47,6 +47,33 @@ class WindowSettings:
     block: float = 2.0
 
 
+@dataclass(frozen=True)
+class Samples:
+    """Samples of a robot, in order of time within each stretch.
+
+    Attributes
+    ----------
+    time : (m,) [s]. position, velocity, torque : (m, n) [rad], [rad/s], [N m].
+    model : torque of the model along the motion, of :class:`~jointwear.monitor.reading.model.TorqueModel`.
+    usable : (m, n) False where a sample must not be used (not finite, filter edge); None: all may be.
+    stretch : (m,) label of the uninterrupted stretch; None: there is one.
+    temperature : (m, n) [degC], NaN where unknown. flags : (m,) or (m, n) bit fields found in reading.
+    program : (m,) label of the program that a sample belongs to. dated : times are dates, not those of a clock.
+    """
+
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    torque: np.ndarray
+    model: ModelTorque
+    usable: np.ndarray | None = None
+    stretch: np.ndarray | None = None
+    temperature: np.ndarray | None = None
+    flags: np.ndarray | None = None
+    program: np.ndarray | None = None
+    dated: bool = False
+
+
 def moving(velocity: np.ndarray, stretch: np.ndarray, dead_band: np.ndarray, guard: int) -> np.ndarray:
     """Return where an axis moves faster than its dead band and does not reverse within `guard` samples, (m, n)."""
     result = np.abs(velocity) > dead_band
@@ -58,51 +85,31 @@ def moving(velocity: np.ndarray, stretch: np.ndarray, dead_band: np.ndarray, gua
     return result
 
 
-def window_statistics(
-    time: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    torque: np.ndarray,
-    model: ModelTorque,
-    settings: WindowSettings,
-    *,
-    usable: np.ndarray | None = None,
-    stretch: np.ndarray | None = None,
-    temperature: np.ndarray | None = None,
-    flags: np.ndarray | None = None,
-    program: np.ndarray | None = None,
-    kept: slice = slice(None),
-    dated: bool = False,
-) -> WindowStatistics:
-    """Return the statistics of samples in order of time within each stretch.
+def window_statistics(samples: Samples, settings: WindowSettings, kept: slice = slice(None)) -> WindowStatistics:
+    """Return the statistics of samples.
 
     Parameters
     ----------
-    time : (m,) [s]. position, velocity, torque : (m, n) [rad], [rad/s], [N m].
-    model : torque of the model along the motion, :class:`~jointwear.monitor.reading.model.TorqueModel`.
-    usable : (m, n) False where a sample must not be used (not finite, filter edge); default all.
-    stretch : (m,) label of the uninterrupted stretch; default one.
-    temperature : (m, n) [degC], NaN where unknown.
-    flags : (m,) or (m, n) bit fields found in reading.
-    program : (m,) label of the program that a sample belongs to, or None.
     kept : the samples that count; those outside only show what is around them.
     """
-    stretch = np.zeros(len(time), dtype=int) if stretch is None else stretch
+    time, position, velocity, torque = samples.time, samples.position, samples.velocity, samples.torque
+    model, temperature, program = samples.model, samples.temperature, samples.program
+    stretch = np.zeros(len(time), dtype=int) if samples.stretch is None else samples.stretch
     residual = torque - model.total
     used = moving(velocity, stretch, settings.dead_band, settings.guard) & np.isfinite(residual)
-    if usable is not None:
-        used &= usable
+    if samples.usable is not None:
+        used &= samples.usable
     around = _Around(model, velocity, residual, used, stretch, kept.indices(len(residual))[0])
     time, position, velocity, torque, stretch = (x[kept] for x in (time, position, velocity, torque, stretch))
     used, residual, m, n = used[kept], residual[kept], len(time), velocity.shape[1]
     regressors = velocity, model.gravity[kept], model.inertial[kept]
-    flags = _of_axes(flags, kept, m, n)
+    flags = _of_axes(samples.flags, kept, m, n)
     temperature = None if temperature is None else temperature[kept]
     program = None if program is None else program[kept]
 
     index = np.floor(time / settings.length).astype(np.int64)
     rows, place = np.unique(index, return_inverse=True)
-    total = blank_statistics(rows * settings.length, settings.length, settings.torque_reference, dated)
+    total = blank_statistics(rows * settings.length, settings.length, settings.torque_reference, samples.dated)
     edges = [0, *(np.flatnonzero(np.diff(place)) + 1), m] if m else [0]
     fits, left = [], []
     for a, b in itertools.pairwise(edges):

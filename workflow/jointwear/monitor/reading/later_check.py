@@ -54,7 +54,7 @@ class _OfBlock:
 
     Attributes
     ----------
-    refusal : what the block was refused with. reading, scale, delay : which mends it; a scale is (n,) or one, a delay [s].
+    refusal : what the block was refused with. reading, scale, delay : what mends it; scale (n,) or of all, delay [s].
     held : torques repeat those of rows before. everywhere : all joints are turned around.
     """
 

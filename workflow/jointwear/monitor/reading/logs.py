@@ -17,7 +17,7 @@ from jointwear.measurement.derived.torque_spikes import without_spikes_of
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import Layout, ends_within_a_row, read_log
 from jointwear.measurement.formats.chunk import Chunk, unread_in_words
-from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.accumulate import Samples, WindowSettings, window_statistics
 from jointwear.monitor.reading.carried import clear_ones, least_mass
 from jointwear.monitor.reading.derivation import Motion, derive_motion
 from jointwear.monitor.reading.inspection import Inspector
@@ -208,21 +208,20 @@ def _block_statistics(
         loaded, clear = seen.carrying(torque, certain)
 
     def read_with(loaded: ModelTorque, clear: np.ndarray) -> WindowStatistics:
-        result = window_statistics(
+        samples = Samples(
             chunk.time,
             motion.position,
             motion.velocity,
             values,
             loaded,
-            settings,
             usable=usable & clear,
             stretch=around.stretch,
             temperature=motion.temperature,
             flags=flags,
             program=chunk.program,
-            kept=kept,
             dated=chunk.dated,
         )
+        result = window_statistics(samples, settings, kept)
         seen.add_zeros(result, loaded, values, usable & clear & sound, model.dynamics, kept)
         return result
 

@@ -14,7 +14,7 @@ import numpy as np
 from jointwear.files.json_documents import write_json
 from jointwear.monitor.judging.judge import judge
 from jointwear.monitor.judging.judge_settings import settings_of
-from jointwear.monitor.reading.accumulate import WindowSettings, window_statistics
+from jointwear.monitor.reading.accumulate import Samples, WindowSettings, window_statistics
 from jointwear.monitor.reading.model import TorqueModel
 from jointwear.monitor.reading.windows import WindowStatistics
 from jointwear.reproduction.grid import worn_runs
@@ -39,15 +39,15 @@ def hours_as_windows(robot: Robot, motion: Motion, torque: np.ndarray) -> Window
         return np.tile(values, (h, 1))
 
     hour = np.repeat(np.arange(h), s)
-    return window_statistics(
+    samples = Samples(
         HOUR * hour + np.tile(motion.time, h),
         repeated(motion.position),
         repeated(motion.velocity),
         torque.reshape(h * s, n),
         type(one)(repeated(one.total), repeated(one.gravity), repeated(one.inertial)),
-        settings,
         stretch=hour,
     )
+    return window_statistics(samples, settings)
 
 
 def _step(motion: Motion) -> float:

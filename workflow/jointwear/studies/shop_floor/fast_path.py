@@ -16,7 +16,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from jointwear.measurement.flags import Flag
 from jointwear.measurement.formats import layout_of
-from jointwear.monitor.reading.accumulate import WindowSettings, moving, window_statistics
+from jointwear.monitor.reading.accumulate import Samples, WindowSettings, moving, window_statistics
 from jointwear.monitor.reading.carried import with_loads
 from jointwear.monitor.reading.model import ModelTorque, TorqueModel
 from jointwear.monitor.reading.reversals import reach_of
@@ -128,19 +128,19 @@ def _statistics(
     temperature = np.broadcast_to(signals.temperature[:, None], (w, m, n))
     torque = rows(signals.torque)
     flags = np.where(np.isfinite(torque), 0, int(Flag.NOT_FINITE))
-    return window_statistics(
+    samples = Samples(
         time,
         rows(signals.position),
         rows(velocity),
         torque,
         ModelTorque(*(values[kept] for values in (model.total, model.gravity, model.inertial))),
-        settings,
         usable=(usable.ravel()[:, None] & clear)[kept],
         stretch=np.repeat(np.arange(w), m)[kept],
         temperature=rows(temperature) if cell.thermometer != "none" else None,
         flags=flags,
         dated=True,
     )
+    return window_statistics(samples, settings)
 
 
 @dataclass(frozen=True)
