@@ -11,7 +11,7 @@ from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.candidates import Candidate, raw_columns
 from jointwear.discovery.search import leftovers, taken_back
 from jointwear.discovery.search.early_torque import delay_of
-from jointwear.discovery.search.standing_alone import doubt_early_torque, stand_alone
+from jointwear.discovery.search.standing_alone import doubt_early_torque, shaken_alike, stand_alone
 
 AXIS = 1
 
@@ -77,3 +77,24 @@ def test_an_early_torque_is_asked_again_when_a_name_beside_it_has_fallen(white, 
     doubt_early_torque(outcome)
     assert not outcome.named
     assert "early" in outcome.suspects[0][1]
+
+
+def test_a_delay_that_waves_over_time_explain_has_no_name_where_they_shake_other_joints(white):
+    """A spindle out of balance, 6.4 Hz, shook five joints and was told as an elastic gear of a sixth."""
+    outcome = late(white, 0.02)
+    (one,) = outcome.named
+    assert shaken_alike(outcome, one) is None
+    lines = [Unexplained(axis, "line over time", "Hz", 6.4, 6.4, 1e-28, 80.0) for axis in (0, 2, AXIS)]
+    outcome.unexplained = lines
+    assert shaken_alike(outcome, one) is None
+    # The same name of what does shake at that pace.
+    shaking = np.sin(2 * np.pi * 6.4 * white.problem.train_state.time)[:, None]
+    block = white.columns(AXIS, shaking)
+    targets = [y + block[:, 0] if a == AXIS else y for a, y in enumerate(white.targets)]
+    outcome.white = replace(white, targets=targets)
+    one = replace(one, term=Term("early", {AXIS: block}, np.ones(1), {AXIS: white.raw(AXIS, shaking)}))
+    outcome.named = [one]
+    assert "shake joints 1 and 3, explain" in shaken_alike(outcome, one)
+    # One other joint alone may swing with it.
+    outcome.unexplained = lines[1:]
+    assert shaken_alike(outcome, one) is None

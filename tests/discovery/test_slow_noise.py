@@ -1,13 +1,18 @@
 """Torque noise with a slow part beside a white one: of few seconds it is neither structure nor an effect."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from jointwear.discovery.estimates.outcome import Unexplained
+from jointwear.discovery.linear import chance, least_nats
 from jointwear.discovery.pipeline import discover
 from jointwear.discovery.problem.setting_up import build_problem
+from jointwear.discovery.search.leftovers import LINE
 from jointwear.discovery.search.searches import search, whitened
-from jointwear.discovery.search.slow_noise import slower_noise
+from jointwear.discovery.search.slow_noise import slower_noise, times_needed
 from jointwear.discovery.settings import Settings
 from jointwear.measurement.recording import Recording, split
 from jointwear.robots.dynamics import Dynamics
@@ -90,3 +95,15 @@ def test_slow_torque_of_one_joint_is_no_noise():
     robot, log = recording(0, rate=30.0, slowly=1.0, joints=1)
     found = discover(log, robot).final.outcome
     assert {u.axis for u in found.unexplained} == {0}
+
+
+@pytest.mark.parametrize(("freedom", "by_logarithm"), [(1, 3.7), (8, 5.1), (64, 10.9)])
+def test_structure_of_many_columns_needs_little_more_noise_to_be_noise(freedom, by_logarithm):
+    """The logarithm of a p-value had been taken to fall as a chi-square does."""
+    settings, samples = Settings(), 5000
+    white = SimpleNamespace(problem=SimpleNamespace(settings=settings), targets=[np.zeros(samples)])
+    statistic = 4.0 * (2.0 * least_nats(settings.unexplained_p, freedom, samples) + freedom)
+    p, nats = chance(statistic, freedom, samples)
+    assert times_needed(white, Unexplained(0, "time", "s", 0.0, 1.0, p, nats, 1.0, freedom)) == pytest.approx(4.0, 0.02)
+    line = Unexplained(0, LINE, "Hz", 0.0, 1.0, p, nats)
+    assert times_needed(white, line) == pytest.approx(by_logarithm, rel=0.05)

@@ -53,7 +53,8 @@ Suspected = tuple[Named, str]
 class Unexplained:
     """Structure of one 0-based axis over an argument that no effect explains.
 
-    It is strongest from `low` to `high`, which is a `share` of what the motion covers of the argument.
+    It is strongest from `low` to `high`, a `share` of what the motion covers of the argument. `freedom` is that
+    of its chi-square, 0 where it is none.
     """
 
     axis: int
@@ -64,6 +65,7 @@ class Unexplained:
     p_value: float
     nats: float
     share: float = 0.0
+    freedom: int = 0
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ def unexplained(
             rows = white.whiteners[axis].rows
             low, high = range_covered(basis, seen, rows)
             share = (high - low) / max(float(np.ptp(basis.values[rows])), 1e-300)
-            entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, LEAST_P), nats, share)
+            entry = Unexplained(axis, basis.argument, basis.unit, low, high, max(p, LEAST_P), nats, share, freedom)
             profile.append(entry)
             if p < settings.unexplained_p and nats > settings.accept:
                 theta = least_squares(b, gram, seen.full)

@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from jointwear.discovery import assumed
-from jointwear.discovery.estimates.outcome import Outcome
-from jointwear.discovery.linear import Fit
+from jointwear.discovery.estimates.outcome import Outcome, Unexplained
+from jointwear.discovery.linear import Fit, least_nats
 from jointwear.discovery.noise.noise import Whitener, highest_order, simulate, whitenable
 from jointwear.discovery.noise.noise_spectrum import (
     CELLS,
@@ -100,15 +100,25 @@ def slower_noise(outcome: Outcome) -> list[Whitener | None] | None:
     whiteners = list(white.whiteners)
     for axis in sorted(asked):
         found, times = _slower(white, axis, dense[axis])
-        # A chi-square of that much more noise is that much smaller, and so is the logarithm of its p-value. Before the
-        # price of complexity and search `accept` asks for twice as many nats.
-        surest = min((u.p_value for u in outcome.unexplained if u.axis == axis), default=1.0)
-        stands = [np.log(surest) / np.log(settings.unexplained_p)] if axis in strongest else []
+        # A chi-square of that much more noise is that much smaller. Before the price of complexity and search `accept`
+        # asks for twice as many nats.
+        own = [times_needed(white, u) for u in outcome.unexplained if u.axis == axis]
+        stands = [max(own)] if own else []
         over = [n.evidence - settings.accept for n in weak if axis in n.term.blocks]
         stands += [1.0 + 0.5 * nats / settings.accept for nats in over]
         if min(stands) < times:
             whiteners[axis] = found
     return whiteners if any(a is not b for a, b in zip(whiteners, white.whiteners, strict=True)) else None
+
+
+def times_needed(white: White, structure: Unexplained) -> float:
+    """Return how many times as dense as it is taken to be the noise has to be for it to stand for structure."""
+    sure = white.problem.settings.unexplained_p
+    if not structure.freedom:
+        # Of the power of one wave noise reaches more with a probability that falls exponentially.
+        return float(np.log(structure.p_value) / np.log(sure))
+    most = least_nats(sure, structure.freedom, len(white.targets[structure.axis]))
+    return (2.0 * structure.nats + structure.freedom) / (2.0 * most + structure.freedom)
 
 
 def _densities(white: White, fit: Fit, axes: Sequence[int], told: bool) -> tuple[dict[int, np.ndarray], bool]:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from jointwear.discovery.estimates.outcome import Named, Outcome
+from jointwear.discovery.estimates.outcome import Named, Outcome, Unexplained
 from jointwear.discovery.linear import Term, chi_square
 from jointwear.discovery.problem.candidates import LINK_MASS, raw_columns
 from jointwear.discovery.search.acceptance import of_timing, predictive
@@ -59,6 +59,7 @@ def stand_alone(outcome: Outcome) -> None:
         partial(_swings_along, swing),
         _wound_up,
         _early,
+        shaken_alike,
         _beside_structure,
     )
     if _fallen(outcome, doubts):
@@ -139,6 +140,26 @@ def _wound_up(outcome: Outcome, one: Named) -> str | None:
     if inner is not None:
         return f"joint {inner + 1} stays unexplained further in, and its wind-up could stand for it as well"
     return None
+
+
+def shaken_alike(outcome: Outcome, one: Named) -> str | None:
+    """Say of an effect of timing that waves over time, which shake other joints, explain most of it.
+
+    A spindle that is out of balance shakes all joints at its own pace, many of them by less than a line that shows.
+    What a gear or a delay does of its own depends on no such waves.
+    """
+    lines = [u for u in outcome.unexplained if u.argument == LINE and u.axis != one.candidate.axis]
+    if len(lines) < 2 or one.candidate.axis is None or not _shaken(one):
+        return None
+    white, others = outcome.white, outcome.terms_beside(one)
+    waves = [t for axis in sorted(one.term.blocks) for t in _waves(outcome, axis, lines)]
+    before, beside = (
+        white.fit([*terms, *one.terms]).evidence - white.fit(terms).evidence for terms in (others, [*others, *waves])
+    )
+    if beside > MOST * before:
+        return None
+    where = numbered("joint", sorted(u.axis + 1 for u in lines))
+    return f"waves over time, as shake {where}, explain {100 * (1 - max(beside, 0.0) / before):.0f} % of it"
 
 
 def _beside_structure(outcome: Outcome, one: Named) -> str | None:
@@ -252,15 +273,19 @@ def acts_elsewhere(outcome: Outcome, one: Named) -> int | None:
 def _structures(outcome: Outcome, one: Named, axes: list[int]) -> list[Term]:
     """Return terms for the unexplained structure of some axes, beside which an effect is asked again."""
     terms = [t for a in axes for t in structure_terms(outcome, a)]
-    return terms + [t for a in axes for t in _waves(outcome, a)] if _shaken(one) else terms
+    if not _shaken(one):
+        return terms
+    lines = [u for u in outcome.unexplained if u.argument == LINE]
+    return terms + [t for a in axes for t in _waves(outcome, a, [u for u in lines if u.axis == a])]
 
 
-def _waves(outcome: Outcome, axis: int) -> list[Term]:
-    """Return terms for unexplained lines over time of one axis: waves of each record as close as it can tell apart."""
+def _waves(outcome: Outcome, axis: int, lines: Sequence[Unexplained]) -> list[Term]:
+    """Return terms for lines over time on one axis: waves of each record as close as it can tell apart."""
     problem, white = outcome.problem, outcome.white
-    state, found = problem.train_state, [u for u in outcome.unexplained if (u.axis, u.argument) == (axis, LINE)]
+    state = problem.train_state
     columns = []
-    for line in found:
+    # Lines of several joints at one frequency are the same waves.
+    for line in {(u.low, u.high): u for u in lines}.values():
         for piece in record_slices(state):
             if piece.stop - piece.start < 2:
                 continue
