@@ -22,6 +22,7 @@ from jointwear.discovery.problem.problem import Problem
 from jointwear.discovery.problem.setting_up import build_problem
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.carried import search_beside
+from jointwear.discovery.search.driving_friction import driving_friction, driving_in_words
 from jointwear.discovery.search.leftovers import lasting, unexplained
 from jointwear.discovery.search.links_known_less import links_in_words
 from jointwear.discovery.search.of_its_own import of_its_own
@@ -197,6 +198,9 @@ def judge(recording: Recording, found: Outcome, restrictions: list[str], zero_to
     elif outcome.unexplained and not outcome.named and not zero_told:
         restrictions = [*restrictions, *zero_in_words(problem.measured, problem.robot)]
     restrictions = [*restrictions, *swing_in_words(outcome.unexplained), *links_in_words(outcome)]
+    driving = driving_friction(outcome)
+    outcome.unexplained, own = [*outcome.unexplained, *driving], [*own, *driving]
+    restrictions = [*restrictions, *driving_in_words(driving)]
     final, files, torques = sound_files(problem, outcome)
     if in_training(final) == NONE:
         final, files, torques = unchanged_files(problem, final)
