@@ -31,6 +31,7 @@ OTHERS = {
         instruments.LOWER curvature.STEP windings.STEP windings.ROUNDING effect_estimates.STEP
         effect_estimates.MORE_LOAD
     """,
+    "the sign of a column by its definition": "problem.SENSE",
     "what a filter does": """
         reversals.RINGS
     """,

@@ -49,7 +49,7 @@ def outcome_of(call: Callable[[], Any], limit: float = LIMIT) -> Outcome:
                 break
             parts.append(part)
     _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGKILL):
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU:
         return Outcome("broken", f"took more than {limit:g} s of processor time")
     if status or not parts:
         return Outcome("broken", f"the process ended with status {status}")

@@ -16,6 +16,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.special import softmax
 
 from jointwear.discovery.linear import Fit, Term
+from jointwear.discovery.problem.problem import FRICTION, SENSE
 from jointwear.discovery.problem.whitening import INERTIAL, White
 
 #: Relative errors of the drive parameters that are weighed against each other; the last leaves them free. The
@@ -47,15 +48,14 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
     -------
     the terms, and the relative error of the drive parameters, one of :data:`DRIVE_ERRORS`.
     """
-    robot = white.problem.robot
-    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
+    nominal = white.problem.drive_parameters
     base: list[Term] = []
     for term in white.base:
         if not term.drive:
             base.append(term)
             continue
         (axis,) = term.drive
-        for k in range(4):
+        for k in range(len(FRICTION)):
             blocks, raw = {axis: term.blocks[axis][:, [k]]}, {axis: term.raw[axis][:, [k]]}
             base.append(Term(f"{term.label} {k}", blocks, term.std[[k]], raw, (axis, k)))
     fit = Fit(white.targets, [*base, *extra])
@@ -77,7 +77,7 @@ def likely_base(white: White, extra: list[Term]) -> tuple[list[Term], float]:
             value, std = _set_free(weigh, std, drives, wide, needed, MOST_FREE if np.isfinite(error) else 0)
             if value > best[0]:
                 best = (value, std, error)
-    sign = np.array([-1.0 if k == 1 else 1.0 for _, k in places])
+    sign = np.array([SENSE[k] for _, k in places])
     std = _none_negative(weigh, best[1].copy(), drives, size, sign, needed)
     gone = {place for place, w in places.items() if std[w.start] <= NOTHING}
     chosen = [replace(t, std=std[w]) for t, w in zip(base, fit.slices, strict=False) if t.drive not in gone]
@@ -202,10 +202,9 @@ def _to_zero(weigh: Weigh, std: np.ndarray, place: int, size: float) -> float:
 
 def pinned(white: White, base: list[Term], axis: int, error: float) -> list[Term]:
     """Return `base` with the parameters of one drive known to a relative `error`."""
-    robot = white.problem.robot
-    nominal = (robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature)
+    nominal = white.problem.drive_parameters
     result = []
     for term in base:
-        size = abs(float(nominal[term.drive[1]][axis])) if term.drive[:1] == (axis,) else 0.0
+        size = abs(float(nominal[term.drive])) if term.drive[:1] == (axis,) else 0.0
         result.append(replace(term, std=np.minimum(term.std, error * size)) if size > 0 else term)
     return result

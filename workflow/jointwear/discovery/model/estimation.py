@@ -25,6 +25,7 @@ from jointwear.discovery.model.left_out import Asked, left_out_ratio
 from jointwear.discovery.model.sound_fit import make_links_sound
 from jointwear.discovery.model.steps_back import given_up_of_effects, plainer_forms, steps_of
 from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, fitted_torque
+from jointwear.discovery.problem.problem import SENSE
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.acceptance import stiff
 from jointwear.discovery.search.crossval import cross_validate
@@ -113,10 +114,7 @@ def _shares(
 ) -> dict[int, tuple[float, float]]:
     """Return :func:`drive_shares`, nothing of a drive whose correction (n, 4) no motor can have: `std` (n, 4) of it."""
     problem, shares = white.problem, drive_shares(white, kept, open_axes)
-    robot = problem.robot
-    nominal = np.stack([robot.coulomb_positive, -robot.coulomb_negative, robot.viscous, robot.armature], axis=1)
-    change = friction * np.array([1.0, -1.0, 1.0, 1.0])
-    for axis in surely_impossible(nominal, change, std, open_axes, problem.settings):
+    for axis in surely_impossible(problem.drive_parameters, friction * SENSE, std, open_axes, problem.settings):
         ratio = shares[axis][1] if axis in shares else float(Asked(white, kept)(kept).surely[axis])
         shares[axis] = (0.0, ratio)
     return shares

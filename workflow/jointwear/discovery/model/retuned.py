@@ -10,7 +10,7 @@ from jointwear.discovery.model.final_model import Final
 from jointwear.discovery.model.left_out import Asked
 from jointwear.discovery.model.link_masses import wrong_mass
 from jointwear.discovery.problem.candidates import LINK_MASS
-from jointwear.discovery.problem.problem import FRICTION, Problem
+from jointwear.discovery.problem.problem import FRICTION, SENSE, Problem
 from jointwear.discovery.verdict import Retuned
 from jointwear.files.json_values import six_digits
 from jointwear.files.wording import numbered
@@ -47,14 +47,6 @@ def _links_move(final: Final) -> bool:
     return named or bool(np.any(final.delta_inertial) or np.any(final.retuned_inertial))
 
 
-def _drive_of(problem: Problem, axis: int) -> np.ndarray:
-    """Return the parameters (4,) of the drive of one axis as corrections are made to them, joint side."""
-    robot = problem.robot
-    return np.array(
-        [robot.coulomb_positive[axis], -robot.coulomb_negative[axis], robot.viscous[axis], robot.armature[axis]]
-    )
-
-
 def _found(problem: Problem, axis: int, k: int) -> tuple[float, float]:
     """Return what the search began with of a parameter of a drive that the robot file has not, joint side, with its
     standard deviation; zeros of all others."""
@@ -66,9 +58,10 @@ def _found(problem: Problem, axis: int, k: int) -> tuple[float, float]:
 def corrected_parameter(final: Final, axis: int, k: int) -> tuple[Retuned, float, float]:
     """Return a parameter of a drive as corrected, the standard deviations by which it is off, and one [joint side]."""
     problem = final.outcome.problem
-    sign = -1.0 if FRICTION[k] == "coulomb_negative" else 1.0
+    sign = float(SENSE[k])
     found, std_found = _found(problem, axis, k)
-    nominal, change = _drive_of(problem, axis)[k] - found, found + sign * float(final.delta_friction[axis, k])
+    nominal = float(problem.drive_parameters[axis, k]) - found
+    change = found + sign * float(final.delta_friction[axis, k])
     known = known_to(final, axis, k, std_found)
     # Sample times, kinematics and forms are never exact: neither is a parameter that follows from them.
     std = float(np.hypot(known, problem.settings.parameter_error * (nominal + found)))

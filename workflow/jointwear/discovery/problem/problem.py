@@ -37,6 +37,8 @@ ABSENT = 1e-4
 #: Shares of the filter's cut-off at which its effect on the torque is offered to the base regression.
 SMEAR = (1.0, 0.7, 0.5)
 FRICTION = ("coulomb_positive", "coulomb_negative", "viscous", "motor_inertia")
+#: Sense in which a torque fitted to each of :data:`FRICTION` adds to it: friction of negative motion pulls back.
+SENSE = np.array([1.0, -1.0, 1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,13 @@ class Problem:
     def given_torque(self) -> np.ndarray:
         """(N, n) torque of the robot as its file has it, without motors that were found [N m]."""
         return self.measured.torque - self.given_discrepancy
+
+    @cached_property
+    def drive_parameters(self) -> np.ndarray:
+        """(n, 4) :data:`FRICTION` of the drives of `robot`, each as a size, joint side."""
+        robot = self.robot
+        given = (robot.coulomb_positive, robot.coulomb_negative, robot.viscous, robot.armature)
+        return np.stack(given, axis=1) * SENSE
 
     @cached_property
     def as_given(self) -> np.ndarray:

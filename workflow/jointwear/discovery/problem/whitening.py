@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -206,6 +206,10 @@ class White:
     def fit(self, extra: list[Term] = ()) -> Fit:
         """Return the posterior of the base regression with `extra` terms."""
         return Fit(self.targets, [*self.base, *extra], self._base_fit) if extra else self._base_fit
+
+    def evidence_of(self, terms: Sequence[Term], beside: Sequence[Term]) -> float:
+        """Return the log evidence that `terms` add to the base regression with the terms `beside`."""
+        return self.fit([*beside, *terms]).evidence - self.fit(list(beside)).evidence
 
     def columns(self, axis: int, columns: np.ndarray) -> np.ndarray:
         """Whiten columns (N_train, k) of one axis."""

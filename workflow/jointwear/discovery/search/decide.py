@@ -6,15 +6,9 @@ from dataclasses import replace
 
 from jointwear.discovery.estimates.outcome import Named, Outcome, Refusal
 from jointwear.discovery.estimates.scan import scan
-from jointwear.discovery.problem.candidates import (
-    LINK_MASS,
-    Dictionary,
-)
+from jointwear.discovery.problem.candidates import LINK_MASS, Dictionary
 from jointwear.discovery.problem.whitening import White
-from jointwear.discovery.search.acceptance import (
-    predictive,
-    refusals,
-)
+from jointwear.discovery.search.acceptance import predictive, refusals
 from jointwear.discovery.search.forward_search import search_forward
 from jointwear.discovery.search.leftovers import fit_again
 from jointwear.discovery.search.named_effects import named_effect, with_form, with_prediction

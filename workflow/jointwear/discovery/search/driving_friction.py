@@ -13,13 +13,14 @@ import numpy as np
 from scipy.stats import norm
 
 from jointwear.discovery.estimates.outcome import Outcome, Unexplained
+from jointwear.discovery.problem.problem import FRICTION, SENSE
 from jointwear.discovery.search.least_torque import least_square
+from jointwear.discovery.search.leftovers import LEAST_P
 from jointwear.files.wording import numbered
 
 #: Argument of what friction would have to do.
 DIRECTION = "direction"
-#: Columns of the drive that are friction of a direction, and the sense in which it brakes there.
-_BRAKES = ((0, 1.0), (1, -1.0))
+_OF_DIRECTIONS = (FRICTION.index("coulomb_positive"), FRICTION.index("coulomb_negative"))
 
 
 def driving_friction(outcome: Outcome) -> list[Unexplained]:
@@ -31,19 +32,19 @@ def driving_friction(outcome: Outcome) -> list[Unexplained]:
     problem, fit = outcome.problem, outcome.fit
     if fit is None:
         return []
-    nominal = np.stack([problem.robot.coulomb_positive, -problem.robot.coulomb_negative], axis=1)
     still, found = {u.axis for u in outcome.unexplained}, []
+    spread = np.sqrt(np.diag(fit.covariance))
     for term, where in zip(fit.terms, fit.slices, strict=True):
         if not term.drive or term.drive[0] in still:
             continue
         axis = term.drive[0]
-        std = np.sqrt(np.diag(fit.covariance)[where])
+        friction = problem.drive_parameters[axis] + SENSE * fit.theta[where]
         speed = problem.train_state.velocity[problem.usable[:, axis], axis]
-        for k, sense in _BRAKES:
-            drives = -(nominal[axis, k] + sense * fit.theta[where][k])
-            sigmas, share = drives / std[k], float(np.mean(sense * speed > 0))
+        for k in _OF_DIRECTIONS:
+            drives, sense = -float(friction[k]), float(SENSE[k])
+            sigmas, share = drives / spread[where][k], float(np.mean(sense * speed > 0))
             if sigmas > problem.settings.noise_sigmas and share * drives**2 > least_square(outcome, axis):
-                p = max(float(norm.sf(sigmas)), np.finfo(float).tiny)
+                p = max(float(norm.sf(sigmas)), LEAST_P)
                 found.append(Unexplained(axis, DIRECTION, "1", sense, sense, p, 0.5 * sigmas**2, 0.5))
     return found
 

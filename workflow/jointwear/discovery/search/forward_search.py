@@ -9,18 +9,9 @@ from functools import cached_property
 from jointwear.discovery.estimates.outcome import Named, Outcome, Refusal
 from jointwear.discovery.estimates.scan import Scored, contenders, scan
 from jointwear.discovery.linear import Fit, Term
-from jointwear.discovery.problem.candidates import (
-    LINK_MASS,
-    Candidate,
-    Dictionary,
-    wider,
-)
+from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, Dictionary, wider
 from jointwear.discovery.problem.whitening import White
-from jointwear.discovery.search.acceptance import (
-    bound_missed,
-    predictive,
-    refusals,
-)
+from jointwear.discovery.search.acceptance import bound_missed, predictive, refusals
 from jointwear.discovery.search.named_effects import named_effect, with_form, with_prediction
 from jointwear.discovery.search.tolerance import with_tolerances
 
@@ -145,8 +136,7 @@ def _full_axes(named: list[Named], most: int) -> set:
 
 def _beside(white: White, others: list[Named], one: Named) -> float:
     """Return the evidence that one effect, with its form, adds to others whose forms have their tolerance."""
-    terms = with_tolerances(white, others)
-    return white.fit([*terms, *one.terms]).evidence - white.fit(terms).evidence
+    return white.evidence_of(one.terms, with_tolerances(white, others))
 
 
 def _eliminate(outcome: Outcome, named: list[Named]) -> list[Named]:

@@ -11,12 +11,7 @@ from jointwear.discovery.estimates.outcome import Named
 from jointwear.discovery.estimates.refine import evidence_at, free_parameters, refine
 from jointwear.discovery.estimates.scan import Scored
 from jointwear.discovery.linear import Fit, Term, gain
-from jointwear.discovery.problem.candidates import (
-    LINK_MASS,
-    Candidate,
-    raw_blocks,
-    term_of,
-)
+from jointwear.discovery.problem.candidates import LINK_MASS, Candidate, raw_blocks, term_of
 from jointwear.discovery.problem.whitening import White
 from jointwear.discovery.search.crossval import CrossValidated
 from jointwear.effects import get_effect

@@ -153,9 +153,7 @@ def shaken_alike(outcome: Outcome, one: Named) -> str | None:
         return None
     white, others = outcome.white, outcome.terms_beside(one)
     waves = [t for axis in sorted(one.term.blocks) for t in _waves(outcome, axis, lines)]
-    before, beside = (
-        white.fit([*terms, *one.terms]).evidence - white.fit(terms).evidence for terms in (others, [*others, *waves])
-    )
+    before, beside = (white.evidence_of(one.terms, terms) for terms in (others, [*others, *waves]))
     if beside > MOST * before:
         return None
     where = numbered("joint", sorted(u.axis + 1 for u in lines))

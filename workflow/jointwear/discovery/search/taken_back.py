@@ -5,14 +5,8 @@ from __future__ import annotations
 from jointwear.discovery import assumed
 from jointwear.discovery.estimates.effect_estimates import links_error
 from jointwear.discovery.estimates.outcome import Outcome, Refusal
-from jointwear.discovery.problem.candidates import (
-    LINK_MASS,
-)
-from jointwear.discovery.search.acceptance import (
-    nats_without_witnesses,
-    of_drive,
-    of_late_torque,
-)
+from jointwear.discovery.problem.candidates import LINK_MASS
+from jointwear.discovery.search.acceptance import nats_without_witnesses, of_drive, of_late_torque
 from jointwear.discovery.search.early_torque import delay_of
 from jointwear.discovery.search.forms_beyond import of_another_form
 from jointwear.discovery.search.standing_alone import settle
