@@ -3,9 +3,7 @@
 import gzip
 
 import numpy as np
-import pyarrow as pa
 import pytest
-from pyarrow import parquet
 from written_logs import HEADER, one, write
 
 from jointwear.files.errors import InputError
@@ -31,11 +29,9 @@ def test_a_comma_in_a_column_that_is_not_read_says_nothing_of_the_decimals(tmp_p
     assert one(path, program={"columns": ["step"]}).torque[:, 0].tolist() == [1.25, 1.5]
 
 
-def test_bars_between_columns_are_read_and_blanks_told(tmp_path):
+def test_bars_between_columns_are_read(tmp_path):
     rows = [HEADER, ["0.00", "0.5", "1.25"], ["0.01", "0.6", "1.5"]]
     assert one(write(tmp_path / "a.csv", ["|".join(row) for row in rows])).torque[:, 0].tolist() == [1.25, 1.5]
-    with pytest.raises(InputError, match="its columns are separated by blanks, which is not read; write it with comm"):
-        one(write(tmp_path / "b.csv", ["   ".join(row) for row in rows]))
 
 
 @pytest.mark.parametrize(("header", "row"), [("", ";"), (";", ""), (";", ";")])
@@ -184,23 +180,6 @@ def test_many_rows_of_a_wrong_length_are_another_layout(tmp_path):
     path = write(tmp_path / "a.csv", [",".join(HEADER), *["0,0.1"] * (MOST_TORN + 1), "1,0.1,2"])
     with pytest.raises(InputError, match=r"row 2 has 2 cells"):
         one(path)
-
-
-@pytest.mark.parametrize("entry", [{}, {"variables": {"position": "position", "torque": "torque"}}])
-def test_lists_in_parquet_are_told_with_the_way_out(tmp_path, entry):
-    table = {"time": np.arange(50.0), "position": [[0.1, 0.2]] * 50, "torque": [[1.0, 2.0]] * 50}
-    parquet.write_table(pa.table(table), tmp_path / "a.parquet")
-    with pytest.raises(InputError, match=r"'position' holds lists, which are not read: .* 'position_1', 'position_2'"):
-        one(tmp_path / "a.parquet", **entry)
-    # A list that nobody asks for is in nobody's way.
-    plain = {
-        "time": np.arange(50.0),
-        "position_1": np.arange(50.0),
-        "torque_1": np.arange(50.0),
-        "velocity": [[1]] * 50,
-    }
-    parquet.write_table(pa.table(plain), tmp_path / "b.parquet")
-    assert len(one(tmp_path / "b.parquet").time) == 50
 
 
 @pytest.mark.parametrize("header", ["time,tag,value", "_time,_field,_value,robot"])

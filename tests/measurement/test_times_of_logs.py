@@ -11,6 +11,8 @@ from written_logs import HEADER, one, write
 from jointwear.files.errors import InputError
 from jointwear.measurement.formats import layout_of, read_log
 
+BEFORE = "or name the column of the date before that of the time, as variables: {time: [date, time]}"
+
 
 @pytest.mark.parametrize(
     ("stamp", "entry"),
@@ -46,8 +48,8 @@ def test_times_in_many_spellings(tmp_path, stamp, entry):
             "26-01-15 06:00:00",
             "this one as '2015-01-26T06:00:00' (day first) or '2026-01-15T06:00:00' (year first)",
         ),
-        ("06:00:00", "the day is lacking: write '2026-01-15T06:00:00', or seconds"),
-        ("6:00:00,5", "the day is lacking: write '2026-01-15T06:00:00.5', or seconds"),
+        ("06:00:00", "the day is lacking: write '2026-01-15T06:00:00', or seconds, " + BEFORE),
+        ("6:00:00,5", "the day is lacking: write '2026-01-15T06:00:00.5', or seconds, " + BEFORE),
         ("15 Jan 2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
         ("31/02/2026 06:00:00", "nor dd.mm.yyyy hh:mm:ss"),
     ],

@@ -13,6 +13,16 @@ FORMATS = {
     ".csv.gz": "csv", ".tsv.gz": "csv", ".parquet": "parquet", ".mcap": "bag", ".db3": "bag",
 }  # fmt: skip
 
+#: What a log may be, in words.
+ALLOWED = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
+
+#: Endings of other files that samples come in -> what makes a log of one.
+_OTHERWISE = {
+    **dict.fromkeys((".txt", ".dat", ".asc", ".prn", ".log"), "a table of text is read if its name ends with .csv"),
+    **dict.fromkeys((".mat", ".npz", ".h5", ".hdf5", ".xlsx", ".xls", ".json", ".pkl"), "export it as CSV or Parquet"),
+    ".bag": "make a bag of ROS 2 of it, as rosbags-convert does",
+}
+
 #: Endings of what packers write behind the name of a log.
 PACKED = (".gz", ".bz2", ".xz", ".zst", ".zip", ".7z")
 
@@ -45,6 +55,12 @@ def log_format(path: str | Path) -> str | None:
 
 def _kind_of(name: str) -> str | None:
     return next((kind for ending, kind in FORMATS.items() if name.lower().endswith(ending)), None)
+
+
+def no_kind_of_log(path: str | Path) -> str:
+    """Return in words that a file is no log by its name, and what would make one of it."""
+    mends = _OTHERWISE.get(Path(path).suffix.lower())
+    return f"no kind of log; {mends}" if mends else "no kind of log"
 
 
 def log_sources(path: str | Path) -> list[str]:

@@ -65,7 +65,10 @@ def to_write(given: str) -> str:
     ISO 8601, this one as '2026-01-31T06:00:00'``, or an empty string."""
     if alone := _TIME_OF_DAY.fullmatch(given.strip()):
         time = f"{int(alone[1]):02d}{alone[2].replace(',', '.')}"
-        return f"; the day is lacking: write '2026-01-15T{time}', or seconds"
+        return (
+            f"; the day is lacking: write '2026-01-15T{time}', or seconds, or name the column of the date before that "
+            "of the time, as variables: {time: [date, time]}"
+        )
     found = _iso_of(given.strip())
     return f"; write all times of the log as ISO 8601, this one as {_or(found)}" if found else ""
 

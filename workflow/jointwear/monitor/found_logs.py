@@ -17,7 +17,14 @@ from jointwear.files.errors import InputError, nearest, shown
 from jointwear.files.patterns import matches
 from jointwear.files.regular_files import broken_link
 from jointwear.files.wording import count
-from jointwear.measurement.log_kinds import FORMATS, is_folder_like_log, log_format, log_sources, unpacked
+from jointwear.measurement.log_kinds import (
+    ALLOWED,
+    is_folder_like_log,
+    log_format,
+    log_sources,
+    no_kind_of_log,
+    unpacked,
+)
 from jointwear.monitor.order_of_logs import in_order
 
 #: What is said of a log whose name is in another encoding, and the mend.
@@ -113,16 +120,15 @@ def _matching(pattern: str, where: str) -> tuple[list[str], list[str]]:
     packed = [m for m in matching if unpacked(m)]
     folders = [m for m in matching if is_folder_like_log(m)]
     if not known:
-        allowed = f"{', '.join(FORMATS)}, or a bag's folder with metadata.yaml"
         match = (packed or matching or list(foreign.values()))[0]
-        what = "is packed; unpack it" if packed else "no kind of log"
+        what = "is packed; unpack it" if packed else no_kind_of_log(match)
         if not packed and misnamed:
             match, what = misnamed[0], "its name is not UTF-8; rename it"
         elif not packed and links:
             match, what = next(iter(links.items()))
         elif not packed and folders:
             match, what = folders[0], f"is a folder; name the files in it, as '{folders[0]}/*'"
-        raise InputError(f"{holds} '{match}': {what} (allowed: {allowed})")
+        raise InputError(f"{holds} '{match}': {what} (allowed: {ALLOWED})")
     for match in known:
         if not Path(os.path.realpath(match)).is_relative_to(root):
             raise InputError(

@@ -20,7 +20,7 @@ from jointwear.measurement.formats.first_bytes import ENOUGH, check_kind
 from jointwear.measurement.formats.layout import Layout, layout_of
 from jointwear.measurement.formats.rows_apart import in_one_row
 from jointwear.measurement.formats.two_sources import check_one_source
-from jointwear.measurement.log_kinds import FORMATS, log_format
+from jointwear.measurement.log_kinds import ALLOWED, log_format, no_kind_of_log
 from jointwear.measurement.possible import check_clock
 
 #: First samples of a log by which its clock is judged.
@@ -38,7 +38,7 @@ def read_log(path: str | Path, layout: Layout, rows: int = 100_000) -> Iterator[
     """
     kind = log_format(path)
     if kind is None:
-        raise InputError(f"{path}: no kind of log (allowed: {', '.join(FORMATS)}, or a bag's folder)")
+        raise InputError(f"{path}: {no_kind_of_log(path)} (allowed: {ALLOWED})")
     if not Path(path).is_dir():
         check_regular(path)
     if kind in ("netcdf", "parquet"):

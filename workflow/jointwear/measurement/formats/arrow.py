@@ -117,6 +117,7 @@ def _mended(column: pa.Array | pa.ChunkedArray) -> pa.Array | pa.ChunkedArray:
     text = compute.replace_substring_regex(text, r"^(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)", r"\1-\2-\3T\4:\5:\6")
     text = compute.replace_substring_regex(text, r"^(\d{4})-(\d)-", r"\1-0\2-")
     text = compute.replace_substring_regex(text, r"^(\d{4}-\d\d)-(\d)([ T])", r"\1-0\2\3")
+    text = compute.replace_substring_regex(text, r"^(\d{4}-\d\d-\d\d[ T])(\d:)", r"\10\2")
     return compute.replace_substring(text, ",", ".")
 
 

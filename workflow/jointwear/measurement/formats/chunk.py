@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from jointwear.files.errors import InputError, closest, nearest, shown
+from jointwear.files.errors import InputError, shown
 from jointwear.files.wording import count as counted
 from jointwear.measurement.formats.layout import Layout
-from jointwear.measurement.formats.named_units import without_units
 from jointwear.measurement.formats.programs import with_log_name
 from jointwear.measurement.late_samples import LATE
 from jointwear.measurement.possible import LARGEST_LABEL, possible, without_sentinels
@@ -111,162 +108,6 @@ def unread_in_words(told: Iterable[tuple[int, str]]) -> str:
         return ""
     others = f", and {more} more rows hold such a cell" if more else ""
     return f"{found[0][1]}{others}; what cannot be read was left out as missing"
-
-
-#: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
-MOST_COLUMNS = 10_000
-
-
-def check_count(path: Path, count: int) -> None:
-    """Check the number of columns of a table.
-
-    Raises
-    ------
-    InputError : if there are more than :data:`MOST_COLUMNS`.
-    """
-    if count > MOST_COLUMNS:
-        raise InputError(f"{path}: has {count} columns (allowed: at most {MOST_COLUMNS})")
-
-
-def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str, list[str]]:
-    """Return role -> columns of a table. A joint role has one column an axis, numbered from 1 (or 0).
-
-    Raises
-    ------
-    InputError : if a role that is needed or named in the config is not there, or has another number of axes.
-    """
-    there = list(columns)
-    check_count(path, len(there))
-    # A column that the config names for something else is not the one that is looked for.
-    named = {c for name in layout.names.values() for c in ([name] if isinstance(name, str) else name)}
-    found: dict[str, list[str]] = {}
-    for role, name in layout.names.items():
-        # `position_1 [deg]` is position_1.
-        known = without_units(role, there)
-        if not isinstance(name, str):
-            missing = [c for c in name if c not in known]
-            if missing:
-                unused = [c for c in there if c not in named]
-                has = f"not used: {_few(unused)}" if unused else f"it has: {_few(there)}"
-                raise InputError(
-                    f"{path}: has no column '{missing[0]}' for {role}{nearest(missing[0], unused)} ({has})"
-                )
-            found[role] = [known[c] for c in name]
-        elif name in known and role not in ("position", "velocity", "acceleration", "torque"):
-            found[role] = [known[name]]
-        elif role in JOINT_ROLES:
-            numbered = numbered_columns(known, name)
-            numbers = [k for k, _ in numbered]
-            if numbers and (numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers)))):
-                lost = next(k for k in range(min(numbers[0], 1), numbers[-1]) if k not in numbers)
-                raise InputError(
-                    f"{path}: the columns '{name}_1', '{name}_2' ... have gaps ({_few(there)}): '{name}_{lost}' is "
-                    f"missing{_what_mends(role, f'{name}_{lost}', layout, there)}"
-                )
-            if numbered:
-                found[role] = [known[c] for _, c in numbered]
-    for name in layout.program:
-        if name not in there:
-            raise InputError(
-                f"{path}: has no column '{name}' of 'program.columns'{nearest(name, there)} (it has: {_few(there)})"
-            )
-    if layout.program:
-        found["program"] = list(layout.program)
-    for role in (*NEEDED, *sorted(layout.given)):
-        if role not in found:
-            name = layout.names[role]
-            shown = f"{name}_1" if role in JOINT_ROLES else name
-            if role in JOINT_ROLES and (label := _of_long_form(there)):
-                raise InputError(
-                    f"{path}: has no {role} (looked for '{shown}'); it looks like one row for each value, named in "
-                    f"'{label}', which is not read: write one row for each time and one column for each name, as "
-                    f"pandas does by table.pivot(index=..., columns='{label}', values=...) (it has: {_few(there)})"
-                )
-            raise InputError(
-                f"{path}: has no {role} (looked for '{shown}'){nearest(shown, there)}; name it under 'variables' "
-                f"(it has: {_few(there)})"
-            )
-    wanted = {name for names in found.values() for name in names}
-    twice = next((name for name, count in Counter(there).items() if count > 1 and name in wanted), None)
-    if twice is not None:
-        raise InputError(f"{path}: names the column '{twice}' twice")
-    axes = layout.axes or len(found["position"])
-    for role, names in found.items():
-        if role in JOINT_ROLES and len(names) != axes and not (role == "temperature" and len(names) == 1):
-            whose = "the robot" if layout.axes else "the position"
-            raise InputError(
-                f"{path}: has {counted(len(names), 'column')} of {role}, {whose} has {counted(axes, 'joint')}"
-                f"{_next_missing(layout, role, names, axes, there)}"
-            )
-    return found
-
-
-def _what_mends(role: str, lost: str, layout: Layout, there: Sequence[str]) -> str:
-    """Return what to do where one column of a role is missing: look whether a column that nothing reads is it; of a
-    torque that was not measured an empty one will do, for the monitor judges the other axes without."""
-    clauses = []
-    if other := _renamed(lost, layout, there):
-        clauses.append(
-            f"rename the column '{other}', which nothing reads, to '{lost}' in this log if it is that one, or name it "
-            f"under 'variables' where all logs of the robot have it ({role}: [...], one column for each joint)"
-        )
-    if role == "torque":
-        clauses.append(f"log '{lost}', or write it as an empty column to have the other axes monitored")
-    return "".join(f"; {clause}" for clause in clauses)
-
-
-def _renamed(lost: str, layout: Layout, there: Sequence[str]) -> str:
-    """Return the column that a missing one may have become: of those that nothing reads, and that end in its number if
-    in any, the one of the nearest name, or the only one; empty where none is likely."""
-    read = set(layout.program)
-    for role, name in layout.names.items():
-        known = without_units(role, there)
-        names = [name, *(c for _, c in numbered_columns(known, name))] if isinstance(name, str) else name
-        read |= {known[c] for c in names if c in known}
-    number = re.compile(r"[0-9]+$")
-    own = number.findall(lost)
-    # What stands in brackets is no part of a name.
-    unread = {re.sub(r"\s*[\[(][^\[\]()]*[\])]\s*$", "", c): c for c in there if c not in read}
-    unread = {name: c for name, c in unread.items() if number.findall(name) in ([], own)}
-    near = closest(lost, unread)
-    return unread[near] if near else next(iter(unread.values())) if len(unread) == 1 else ""
-
-
-def _next_missing(layout: Layout, role: str, names: Sequence[str], axes: int, there: Sequence[str]) -> str:
-    """Return which numbered column a role with fewer `names` than axes has no more, and what to do; else nothing."""
-    name = layout.names[role]
-    if not isinstance(name, str) or not 0 < len(names) < axes:
-        return ""
-    (first, _), *_ = numbered_columns(names, name) or [(1, "")]
-    lost = f"{name}_{first + len(names)}"
-    return f": '{lost}' is missing{_what_mends(role, lost, layout, there)}"
-
-
-#: Columns of a table in long form: what names the quantity of a row, and what holds its value.
-_NAMES_OF_LONG = ("tag", "variable", "name", "signal", "channel", "field", "_field", "metric", "key", "topic")
-_VALUES_OF_LONG = ("value", "_value", "val")
-#: Most names that a message tells.
-_MOST_NAMES = 24
-#: Most columns that such a table has: those two, the time, and what a data base writes beside them.
-_MOST_OF_LONG = 12
-
-
-def _of_long_form(there: Sequence[str]) -> str:
-    """Return the column that names the quantity of each row of a table in long form; empty where it is none."""
-    plain = {name.strip().lower(): name for name in there}
-    if len(there) > _MOST_OF_LONG or not any(name in plain for name in _VALUES_OF_LONG):
-        return ""
-    return next((plain[name] for name in _NAMES_OF_LONG if name in plain), "")
-
-
-def numbered_columns(columns: Iterable[str], name: str) -> list[tuple[int, str]]:
-    """Return number and name of the columns `name`_1, `name`_2 ... of a joint role, sorted by number."""
-    form = re.compile(re.escape(name) + r"_([0-9]{1,6})")
-    return sorted((int(m.group(1)), c) for c in set(columns) if (m := form.fullmatch(c)))
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join(str(n) for n in names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def make_chunk(
