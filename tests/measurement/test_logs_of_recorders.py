@@ -162,7 +162,7 @@ def test_damaged_cells_of_two_columns_are_left_out(tmp_path):
 @pytest.mark.parametrize(("role", "names"), [("time", ["a", "b", "c"]), ("trajectory", ["a", "b"])])
 def test_a_role_takes_so_many_columns(tmp_path, role, names):
     columns = {name: [1.0] for name in ("time", "position_1", "torque_1", "a", "b", "c")}
-    with pytest.raises(InputError, match=rf"'variables\.{role}' lists {len(names)} columns \(allowed: one"):
+    with pytest.raises(InputError, match=rf"'variables\.{role}' has {len(names)} names; allowed: one"):
         of(table(tmp_path / "a.csv", columns), 1, variables={role: names})
 
 

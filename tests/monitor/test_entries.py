@@ -46,7 +46,7 @@ def check(**more):
         ),
         ({"variables": {"torques": SIX}}, r"variables' has the role 'torques'; did you mean 'torque'"),
         ({"variables": {"torque": SIX[:5]}}, r"variables\.torque' has 5 names; allowed: one, or 6, one a joint"),
-        ({"variables": {"time": ["day", "hour"]}}, r"variables\.time' has 2 names; allowed: one"),
+        ({"variables": {"time": ["day", "hour", "s"]}}, r"variables\.time' has 3 names; allowed: one, or two: date"),
         ({"variables": {"torque": [*SIX[:5], SIX[0]]}}, r"variables\.torque' has 'axis_0' twice"),
         ({"baseline": {"from": "2026-02-01", "until": "2026-01-01"}}, r"baseline\.from' is '2026-02-01', not before"),
         ({"events": [{"time": "2126-01-01", "kind": "service"}]}, r"events\[0\]\.time' is '2126-01-01', which is yet"),
@@ -100,9 +100,15 @@ def test_times_that_the_clock_on_the_wall_shows_never_or_twice_are_told(time, wo
     check(events=[{**event, "time": time}])
 
 
-def test_a_day_and_a_time_of_day_in_two_columns_are_told_with_the_way_out():
-    with pytest.raises(InputError, match=r"variables\.time' has 2 names; allowed: one \(a day and a time"):
-        check(variables={"time": ["date", "clock"]})
+def test_a_time_may_have_two_columns():
+    check(variables={"time": ["date", "clock"]})
+
+
+def test_joints_of_a_table_are_told_where_columns_are_named_by_them():
+    names = {"position": "{}/position", "torque": "{}/effort"}
+    check(logs=["logs/*.csv"], variables=names, joints=list("abcdef"))
+    with pytest.raises(InputError, match=r"'monitor\.robots\.cell_3\.joints' is for ROS 2 bags"):
+        check(logs=["logs/*.csv"], joints=list("abcdef"))
 
 
 def test_of_two_zones_the_message_says_which():

@@ -13,11 +13,19 @@ from jointwear.files.wording import count
 from jointwear.measurement.log_kinds import log_format
 from jointwear.measurement.units import CURRENTS, ROLES, SHARES, UNITS, is_known, meant_unit, spelled
 
+#: What stands for a joint in a name under `variables`: its number from 1 (or 0), or its name.
+JOINT = "{}"
 #: Keys that may hold one number for each joint.
 PER_JOINT = ("torque_constant", "scale", "sign")
 
-#: What to do where the day and the time of day have columns of their own.
-_JOIN = " (a day and a time of day go into one column, as 2026-01-31 06:00:00)"
+
+def names_allowed(role: str, axes: int) -> tuple[tuple[int, ...], str]:
+    """Return how many names a role may have in a table of a robot with so many axes, and that in words."""
+    if role == "time":
+        return (1, 2), "one, or two: date and time of day, or seconds and nanoseconds"
+    if role == "trajectory":
+        return (1,), "one"
+    return (1, axes), f"one, or {axes}, one a joint"
 
 
 def check_log_entry(
@@ -60,10 +68,11 @@ def _one_or_each(key: str, given: Sequence[float], joints: int) -> str:
 
 
 def _check_of_bags(entry: Mapping[str, Any], where: str) -> None:
-    """Refuse keys of bags beside logs that are none: they would have no effect."""
+    """Refuse keys of bags that would have no effect: beside other logs, unless columns are named by the joints."""
     logs = [entry["measured"]] if "measured" in entry else entry.get("logs") or []
     kinds = [log_format(str(log)) for log in logs]
-    for key in ("joints", "topic"):
+    by_name = any(JOINT in str(names) for names in (entry.get("variables") or {}).values())
+    for key in ("topic",) if by_name else ("joints", "topic"):
         if entry.get(key) is not None and kinds and all(kind not in (None, "bag") for kind in kinds):
             raise InputError(
                 f"config: '{where}.{key}' is for ROS 2 bags and says nothing of {shown(str(logs[0]))}; leave it out "
@@ -81,13 +90,10 @@ def _check_roles(entry: Mapping[str, Any], where: str, axes: int) -> None:
                 )
     for role, names in (entry.get("variables") or {}).items():
         several = names if isinstance(names, (list, tuple)) else [names]
-        fits = (1,) if role in ("time", "trajectory") else (1, axes)
+        fits, allowed = names_allowed(role, axes)
         if len(several) not in fits:
             raise InputError(
-                f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one, or {axes}, one a joint"
-                if len(fits) > 1
-                else f"config: '{where}.variables.{role}' has {len(several)} names; allowed: one"
-                + _JOIN * (role == "time")
+                f"config: '{where}.variables.{role}' has {count(len(several), 'name')}; allowed: {allowed}"
             )
         twice = next((n for k, n in enumerate(several) if n in several[:k]), None)
         if twice is not None and role != "temperature":

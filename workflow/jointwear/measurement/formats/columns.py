@@ -13,13 +13,13 @@ from jointwear.measurement.formats.chunk import JOINT_ROLES, NEEDED
 from jointwear.measurement.formats.layout import Layout
 from jointwear.measurement.formats.named_units import without_units
 from jointwear.measurement.formats.numbered import (
-    JOINT,
     column_of,
     form_of,
     forms_of_joints,
     named_columns,
     numbered_columns,
 )
+from jointwear.measurement.log_entries import JOINT, names_allowed
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
 MOST_COLUMNS = 10_000
@@ -104,9 +104,9 @@ def _listed(
         unused = [c for c in there if c not in named]
         has = f"not used: {_few(unused)}" if unused else f"it has: {_few(there)}"
         raise InputError(f"{path}: has no column '{missing}' for {role}{nearest(missing, unused)} ({has})")
-    if role not in JOINT_ROLES and len(names) > (2 if role == "time" else 1):
-        allowed = "one column, or two: date and time of day, or seconds and nanoseconds" if role == "time" else "one"
-        raise InputError(f"{path}: 'variables.{role}' lists {counted(len(names), 'column')} (allowed: {allowed})")
+    fits, allowed = names_allowed(role, len(names))
+    if len(names) not in fits:
+        raise InputError(f"{path}: 'variables.{role}' has {counted(len(names), 'name')}; allowed: {allowed}")
     return [known[c] for c in names]
 
 

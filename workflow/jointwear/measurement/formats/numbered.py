@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Sequence
 
-#: What stands for a joint in a name of the configuration: its number from 1 (or 0), or its name.
-JOINT = "{}"
+from jointwear.measurement.log_entries import JOINT
 
 
 def form_of(columns: Collection[str], name: str, close: bool = True) -> str:
