@@ -111,6 +111,22 @@ def test_forms_that_fit_are_proposed(tmp_path):
     columns = {"time": [0.0], "J1_pos": [1], "J2_pos": [2], "J1_trq": [3], "J2_trq": [4], "relay_7": [0]}
     with pytest.raises(InputError, match=r"as 'position: \"J\{\}_pos\"' if it is one of 'J\{\}_pos', 'J\{\}_trq' \("):
         of(table(tmp_path / "a.csv", columns), 2)
+    # What has a role already is not proposed.
+    with pytest.raises(InputError, match=r"as 'position: \"J\{\}_pos\"' if it is one of 'J\{\}_pos' \("):
+        of(table(tmp_path / "a.csv", columns), 2, variables={"torque": "J{}_trq"})
+
+
+def test_two_columns_of_one_joint_are_told(tmp_path):
+    columns = {"time": [0.0], "q1": [1], "q01": [1], "q2": [2], "tau1": [1], "tau2": [1]}
+    with pytest.raises(InputError, match="the columns 'q01' and 'q1' are of the same joint"):
+        of(table(tmp_path / "a.csv", columns), 2, variables={"position": "q", "torque": "tau"})
+
+
+def test_a_long_line_is_told_in_part(tmp_path):
+    path = write(tmp_path / "a.csv", [" ".join(f"c{k}" for k in range(20_000)), "1 " * 20_000])
+    with pytest.raises(InputError) as caught:
+        one(path)
+    assert len(str(caught.value)) < 500
 
 
 def test_names_are_told_of_the_header_below_a_preamble(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 from jointwear.files.errors import InputError, closest, nearest
@@ -64,20 +65,9 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
             )
     if layout.program:
         found["program"] = list(layout.program)
-    for role in (*NEEDED, *sorted(layout.given)):
-        if role not in found:
-            name = layout.names[role]
-            shown = column_of(_form(role, there, layout), 1) if role in JOINT_ROLES else name
-            if role in JOINT_ROLES and (label := _of_long_form(there)):
-                raise InputError(
-                    f"{path}: has no {role} (looked for '{shown}'); it looks like one row for each value, named in "
-                    f"'{label}', which is not read: write one row for each time and one column for each name, as "
-                    f"pandas does by table.pivot(index=..., columns='{label}', values=...) (it has: {_few(there)})"
-                )
-            raise InputError(
-                f"{path}: has no {role} (looked for '{shown}'){nearest(shown, there)}; name it under 'variables'"
-                f"{_one_a_joint(role, there, layout)} (it has: {_few(there)})"
-            )
+    lost = next((role for role in (*NEEDED, *sorted(layout.given)) if role not in found), None)
+    if lost is not None:
+        raise _without(path, lost, there, found, layout)
     wanted = {name for names in found.values() for name in names}
     twice = next((name for name, count in Counter(there).items() if count > 1 and name in wanted), None)
     if twice is not None:
@@ -91,6 +81,26 @@ def find_columns(path: Path, columns: Iterable[str], layout: Layout) -> dict[str
                 f"{_next_missing(layout, role, names, axes, there)}"
             )
     return found
+
+
+def _without(
+    path: Path, role: str, there: Sequence[str], found: Mapping[str, Sequence[str]], layout: Layout
+) -> InputError:
+    """Return what is raised where a table has not the columns of a role; `found`: role -> columns of the others."""
+    name = layout.names[role]
+    looked = column_of(_form(role, there, layout), 1) if role in JOINT_ROLES else name
+    if role in JOINT_ROLES and (label := _of_long_form(there)):
+        return InputError(
+            f"{path}: has no {role} (looked for '{looked}'); it looks like one row for each value, named in "
+            f"'{label}', which is not read: write one row for each time and one column for each name, as "
+            f"pandas does by table.pivot(index=..., columns='{label}', values=...) (it has: {_few(there)})"
+        )
+    taken = {column for columns in found.values() for column in columns}
+    proposed = _one_a_joint(role, [column for column in there if column not in taken], layout)
+    return InputError(
+        f"{path}: has no {role} (looked for '{looked}'){nearest(looked, there)}; name it under 'variables'{proposed} "
+        f"(it has: {_few(there)})"
+    )
 
 
 def _listed(
@@ -117,6 +127,9 @@ def _of_joints(path: Path, role: str, known: Mapping[str, str], there: Sequence[
     if not numbered:
         return named_columns(known, form, layout.joints) if JOINT in str(layout.names[role]) else []
     numbers = [k for k, _ in numbered]
+    twice = next((pair for pair in pairwise(numbered) if pair[0][0] == pair[1][0]), None)
+    if twice is not None:
+        raise InputError(f"{path}: the columns '{twice[0][1]}' and '{twice[1][1]}' are of the same joint")
     if numbers[0] > 1 or numbers != list(range(numbers[0], numbers[0] + len(numbers))):
         lost = column_of(form, next(k for k in range(min(numbers[0], 1), numbers[-1]) if k not in numbers))
         raise InputError(
@@ -185,6 +198,8 @@ _NAMES_OF_LONG = ("tag", "variable", "name", "signal", "channel", "field", "_fie
 _VALUES_OF_LONG = ("value", "_value", "val")
 #: Most names that a message tells.
 _MOST_NAMES = 24
+#: Letters of a name that a message tells.
+_LONGEST = 120
 #: Most columns that such a table has: those two, the time, and what a data base writes beside them.
 _MOST_OF_LONG = 12
 
@@ -198,4 +213,5 @@ def _of_long_form(there: Sequence[str]) -> str:
 
 
 def _few(names: Sequence[str]) -> str:
-    return ", ".join(str(n) for n in names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
+    told = [name if len(name) <= _LONGEST else f"{name[:_LONGEST]}..." for name in names[:_MOST_NAMES]]
+    return ", ".join(told) + (", ..." if len(names) > _MOST_NAMES else "")

@@ -202,7 +202,7 @@ def _find_header(path: Path, lines: list[str], layout: Layout) -> tuple[int, lis
         if _has_columns(path, names, layout):
             return rows[-1]
     for k, line in enumerate(lines):
-        names = single(line).split(BLANK)
+        names = next(csv.reader([single(line)], delimiter=BLANK), [])
         if _has_columns(path, names, layout):
             return k, names, BLANK
     return next((row for row, (k, *_) in pairwise(rows) if _heads(row[1], lines[k], row[2])), rows[0])
