@@ -179,6 +179,25 @@ def test_unequal_levels_of_friction_fall_by_the_same_share(state, robot):
     assert [p["unequal"] for p in effect.grid(replace(state, drive=level_arm), 1)] == [0.0] * 3
 
 
+@pytest.mark.parametrize("identifier", ["wear_drift", "position_dependent_friction", "stribeck_friction"])
+def test_unequal_levels_of_friction_change_by_the_same_share(state, robot, identifier):
+    """What a form adds is in one proportion to the friction of either direction, and equal where the levels are."""
+    effect = effects.get_effect(identifier)
+    grid = effect.grid(state, 1)
+    proportional, equal = ({**p, "unequal": p["unequal"]} for p in (grid[0], grid[-1]))
+    assert equal["unequal"] == 0.0
+    one, other = (effect.columns(state, 1, None, p) for p in (proportional, {**proportional, "unequal": 0.0}))
+    mean = 0.5 * (robot.coulomb_positive[1] - robot.coulomb_negative[1])
+    still = other == 0
+    np.testing.assert_allclose(
+        one[~still] / other[~still],
+        np.broadcast_to(np.abs(robot.coulomb(state.velocity)[:, 1] / mean)[:, None], one.shape)[~still],
+        rtol=1e-3,
+    )
+    level_arm = replace(state.drive, coulomb_negative=-state.drive.coulomb_positive)
+    assert {p["unequal"] for p in effect.grid(replace(state, drive=level_arm), 1)} == {0.0}
+
+
 def test_a_spring_carries_its_preload(state):
     effect = effects.get_effect("joint_spring")
     nonlinear = effect.grid(state, 1)[0]

@@ -5,6 +5,7 @@ import numpy as np
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.travel import ENDS, FAR, ends_of
+from jointwear.effects.unequal_levels import carrier, forms, unequal_parameter
 
 #: Waves on the travel from which on they are a law.
 REPEATED = 2
@@ -12,11 +13,11 @@ REPEATED = 2
 
 def _columns(state, axis, source, p):
     angle = p["order"] * state.position[..., axis]
-    return np.stack([np.sin(angle), np.cos(angle)], axis=-1) * state.direction[..., axis, None]
+    return np.stack([np.sin(angle), np.cos(angle)], axis=-1) * carrier(state, axis, p)[..., None]
 
 
 def _torque(state, axis, source, p):
-    return _friction(p, state.position[..., axis]) * state.direction[..., axis]
+    return _friction(p, state.position[..., axis]) * carrier(state, axis, p)
 
 
 def _friction(p, position):
@@ -37,21 +38,23 @@ def _friction(p, position):
 
 def _grid(state, axis):
     travel = ends_of(state, axis)
-    return [{"order": float(n), **travel} for n in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)]
+    orders = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
+    return [{"order": float(n), **form, **travel} for form in forms(state, axis) for n in orders]
 
 
 def _shape(state, axis, p):
-    return state.direction[..., axis], state.position[..., axis]
+    return carrier(state, axis, p), state.position[..., axis]
 
 
 EFFECT = Effect(
     identifier="position_dependent_friction",
     name="Position-dependent friction",
-    equation="A sin(n q + phi) sign(v)",
+    equation="A sin(n q + phi) (sign(v) + u)",
     parameters=(
         Parameter("amplitude", "N m", 0.0, 1e4, "A"),
         Parameter("order", "1", 0.8, 40.0, "n, waves in one turn of the joint", 1.0),
         Parameter("phase", "rad", -6.3, 6.3, "phi"),
+        unequal_parameter("friction"),
         *ENDS,
     ),
     confused_with=("joint_spring",),

@@ -9,6 +9,7 @@ from scipy.optimize import nnls
 from jointwear.effects.bristle import bristle, relaxing_bristle
 from jointwear.effects.effect import Bend, Effect, Parameter
 from jointwear.effects.state import record_slices
+from jointwear.effects.unequal_levels import forms, unequal_parameter
 
 #: Travels [rad] over which friction may build up.
 DISTANCES = (4e-4, 0.3)
@@ -36,7 +37,10 @@ def _columns(state, axis, source, p):
         return made[:, None]
 
     key = ("presliding", axis, distance, spring, start, relaxation)
-    return state.of_motion(key, column, state.position, state.velocity, state.time, state.record)
+    made = state.of_motion(key, column, state.position, state.velocity, state.time, state.record)
+    unequal = p.get("unequal", 0.0)
+    # Either level builds up over its own travel: 1 + u of it forward, 1 - u backward.
+    return made * (1.0 + unequal * state.direction[..., axis, None]) if unequal else made
 
 
 def _other_spring(p):
@@ -62,7 +66,8 @@ def _without_relaxation(state, axis, p):
 
 
 def _grid(state, axis):
-    return [{"distance": float(x), "spring": 0, "start": 1} for x in np.geomspace(6e-4, 0.16, 11)]
+    distances = np.geomspace(6e-4, 0.16, 11)
+    return [{"distance": float(x), "spring": 0, "start": 1, **form} for form in forms(state, axis) for x in distances]
 
 
 def _relaxing(state, axis):
@@ -100,10 +105,11 @@ def _written(parameters, knots, coefficients):
 EFFECT = Effect(
     identifier="presliding_hysteresis",
     name="Pre-sliding hysteresis",
-    equation="Fc (z - sign(v)), dz/dq = (1 - sign(v) z)/x0, or dz/dt = v/x0 - z/tr until z = sign(v)",
+    equation="Fc (z - sign(v)) (1 + u sign(v)), dz/dq = (1 - sign(v) z)/x0, or dz/dt = v/x0 - z/tr until z = sign(v)",
     parameters=(
         Parameter("level", "N m", 0.0, 1e4, "Fc, friction that builds up"),
         Parameter("distance", "rad", *DISTANCES, "x0, travel over which it builds up", 0.03),
+        unequal_parameter("level"),
         Parameter("spring", "1", 0, 1, "0: Dahl's model, 1: a spring that slips", 0, fixed=True),
         Parameter(
             "start", "1", -1, 1, "state of a record's start: 1 settled, 0 at ease, -1 as moved back", 1, fixed=True

@@ -5,39 +5,27 @@ import numpy as np
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
 from jointwear.effects.temperature import reference_temperature, temperature_shape, warming
+from jointwear.effects.unequal_levels import carrier, forms, unequal_parameter
 
 #: Scale [K] beyond which the fall counts as a straight line.
 _STRAIGHT = 1e4
 
 
-def _level(state, axis, p):
-    # 1 + unequal forward, -1 + unequal backward: both levels fall by the same share.
-    direction = state.direction[..., axis]
-    return direction + p.get("unequal", 0.0) * np.abs(direction)
-
-
 def _columns(state, axis, source, p):
     scale = p["scale"]
     fall = scale * np.expm1(-warming(state, axis, p["reference"]) / scale)
-    return (fall * _level(state, axis, p))[..., None]
-
-
-def _unequal(state, axis):
-    """Return what the robot file's two levels differ by, as a share of their sum; 0 without friction."""
-    forward, backward = state.drive.coulomb_positive[axis], -state.drive.coulomb_negative[axis]
-    both = forward + backward
-    return float(np.clip((forward - backward) / both, -1.0, 1.0)) if both > 0 else 0.0
+    return (fall * carrier(state, axis, p))[..., None]
 
 
 def _grid(state, axis):
     reference = reference_temperature(state, axis)
     if reference is None:
         return []
-    forms = dict.fromkeys((_unequal(state, axis), 0.0))
-    return [{"reference": reference, "scale": s, "unequal": u} for u in forms for s in (_STRAIGHT, 100.0, 40.0)]
+    scales = (_STRAIGHT, 100.0, 40.0)
+    return [{"reference": reference, "scale": s, **form} for form in forms(state, axis) for s in scales]
 
 
-_SHAPE = temperature_shape(_level)
+_SHAPE = temperature_shape(carrier)
 
 EFFECT = Effect(
     identifier="temperature_dependent_coulomb_friction",
@@ -49,15 +37,7 @@ EFFECT = Effect(
         Parameter(
             "reference", "degC", -50.0, 200.0, "T0, at which the robot file's Coulomb friction holds", 25.0, fixed=True
         ),
-        Parameter(
-            "unequal",
-            "1",
-            -1.0,
-            1.0,
-            "u, by which the fall of positive motion is larger and that of negative motion smaller",
-            0.0,
-            fixed=True,
-        ),
+        unequal_parameter("fall"),
     ),
     confused_with=("torque_constant_temperature", "wear_drift"),
     excitation="slow motion, cold and warm, at times that do not follow the temperature",

@@ -4,6 +4,7 @@ import numpy as np
 
 from jointwear.effects.bends import table_bend
 from jointwear.effects.effect import Effect, Parameter
+from jointwear.effects.unequal_levels import carrier, forms, unequal_parameter
 
 
 def _growth(state, p):
@@ -13,7 +14,7 @@ def _growth(state, p):
 
 
 def _columns(state, axis, source, p):
-    return (_growth(state, p) * state.direction[..., axis])[..., None]
+    return (_growth(state, p) * carrier(state, axis, p))[..., None]
 
 
 def _grid(state, axis):
@@ -21,34 +22,36 @@ def _grid(state, axis):
     if span <= 0:
         return []
     shapes = [(0.7, 4.0), (1.2, 4.0), (1.7, 4.0), (3.0, 4.0), (0.5, 1.0), (2.0, 1.0), (5.0, 1.0), (1.0, 2.0)]
-    return [{"start": start, "rate": x / span, "exponent": m} for x, m in shapes]
+    return [{"start": start, "rate": x / span, "exponent": m, **form} for form in forms(state, axis) for x, m in shapes]
 
 
 def _plain(state, axis):
     # Growth in proportion to time.
     start, span = float(np.min(state.time)), float(np.ptp(state.time))
-    return [{"start": start, "rate": 0.3 / span, "exponent": 1.0}] if span > 0 else []
+    return [{"start": start, "rate": 0.3 / span, "exponent": 1.0, **forms(state, axis)[0]}] if span > 0 else []
 
 
 def _courses(state, axis):
     # From a power of time, far from its end, to a growth that ends early.
     start, span = float(np.min(state.time)), float(np.ptp(state.time))
     rates, exponents = (0.03, 0.5, 0.8, 1.2, 1.8, 2.7, 4.0), np.geomspace(0.5, 6.0, 12)
-    return [{"start": start, "rate": x / span, "exponent": float(m)} for x in rates for m in exponents]
+    courses = [{"start": start, "rate": x / span, "exponent": float(m)} for x in rates for m in exponents]
+    return [{**course, **form} for form in forms(state, axis) for course in courses]
 
 
 def _shape(state, axis, p):
-    return state.direction[..., axis], state.time
+    return carrier(state, axis, p), state.time
 
 
 EFFECT = Effect(
     identifier="wear_drift",
     name="Wear: growing Coulomb friction",
-    equation="c1 (1/(1 + exp(-(c2 t)^m)) - 1/2) sign(v), m = 4 in the paper",
+    equation="c1 (1/(1 + exp(-(c2 t)^m)) - 1/2) (sign(v) + u), m = 4 in the paper",
     parameters=(
         Parameter("level", "N m", 0.0, 1e9, "c1, twice the growth in the end"),
         Parameter("rate", "1/s", 0.0, 1e6, "c2", 1e-6),
         Parameter("exponent", "1", 0.5, 6.0, "m", 4.0),
+        unequal_parameter("growth"),
         Parameter("start", "s", -1e10, 1e10, "time at which wear starts", 0.0, fixed=True),
     ),
     confused_with=("temperature_dependent_coulomb_friction", "torque_offset_drift"),
