@@ -18,6 +18,8 @@ from jointwear.measurement.recording_files import load_recording
 
 pytestmark = pytest.mark.hostile
 ROLES = ("position", "velocity", "torque")
+#: Ends of the names of logs: of CSV with blanks between its columns and Parquet with a list in each row, too.
+KINDS = ("csv", "blanks.csv", "parquet", "lists.parquet", "nc", "mcap")
 
 
 def columns():
@@ -28,20 +30,22 @@ def columns():
     return table | {"temperature": np.full(len(log.time), 30.0)}
 
 
-def csv_text(table):
+def csv_text(table, between=","):
     rows = zip(*table.values(), strict=True)
-    return "\n".join([",".join(table), *(",".join(f"{x:.9g}" for x in row) for row in rows)]) + "\n"
+    return "\n".join([between.join(table), *(between.join(f"{x:.9g}" for x in row) for row in rows)]) + "\n"
 
 
 def write_log(path):
     """Write the sound log in the format that the name of `path` says."""
     log, table = make_log(2.0), columns()
     if path.suffix == ".csv":
-        path.write_text(csv_text(table))
+        path.write_text(csv_text(table, "  " if "blanks" in path.name else ","))
     elif path.suffix == ".parquet":
         import pyarrow as pa
         from pyarrow import parquet
 
+        if "lists" in path.name:
+            table = {"time": log.time, **{role: list(getattr(log, role)) for role in ROLES}}
         parquet.write_table(pa.table(table), path)
     elif path.suffix == ".nc":
         both = ("sample", "joint")
@@ -80,7 +84,7 @@ def sound(tmp_path_factory):
     """The bytes of the sound log in every format, written by processes of their own."""
     folder = tmp_path_factory.mktemp("logs")
     found = {}
-    for kind in ("csv", "parquet", "nc", "mcap"):
+    for kind in KINDS:
         path = folder / f"log.{kind}"
         assert outcome_of(lambda path=path: write_log(path)).kind == "accepted"
         found[kind] = path.read_bytes()
@@ -127,14 +131,14 @@ def read_both(path):
     return ways
 
 
-@pytest.mark.parametrize("kind", ["csv", "parquet", "nc", "mcap"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_sound_log_is_read(sound, tmp_path, kind):
     path = tmp_path / f"log.{kind}"
     path.write_bytes(sound[kind])
     assert outcome_of(lambda: accepted_log(path)).value == 100
 
 
-@pytest.mark.parametrize("kind", ["csv", "parquet", "nc", "mcap"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_broken_bytes(sound, tmp_path, kind):
     path = tmp_path / f"log.{kind}"
 
