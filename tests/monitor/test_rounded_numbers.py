@@ -78,6 +78,18 @@ def test_coarser_numbers_that_matter_are_told_in_place_of_a_loud_axis(flag, kind
     assert not [f for f in reading_findings(always, baseline) if f["kind"] in ROUNDED]
 
 
+@pytest.mark.parametrize(("before", "told"), [(1, True), (2, False)])
+def test_steps_that_the_baseline_has_too_are_no_news(before, told):
+    """An encoder step of 11.46 of the last digits is read as eleven of them or as one."""
+    residual, late = residuals(80, np.zeros((80, 3)), 1), np.arange(80) >= 60
+    residual[late, :, 2] += 0.3 * np.random.default_rng(2).standard_normal(residual[late, :, 2].shape)
+    plain = statistics_of(residual)
+    marked = late | np.isin(np.arange(80), 7 * np.arange(1, before + 1))
+    marked = replace(plain, flags=plain.flags | np.where(marked, int(Flag.COARSE_POSITION), 0)[:, None] * [1, 0, 0])
+    found = reading_findings(marked, np.arange(80) < 40)
+    assert any(f["kind"] in ROUNDED for f in found) == told
+
+
 def test_a_torque_of_a_few_values_is_neither_at_a_limit_nor_a_load():
     plain, late = statistics_of(residuals(20, np.zeros((20, 3)), 1)), np.arange(20)[:, None] >= 12
     odd = np.where(late, int(Flag.SATURATED | Flag.CONTRADICTED), 0) * np.array([0, 0, 1])

@@ -24,6 +24,9 @@ LOOK = 4000
 FEW, OFTEN = (3, 20), 10
 #: Times the step of the first log from which numbers are coarser: one digit less is ten, one bit two.
 COARSER = 3.0
+#: Windows of the baseline with the coarser steps from which these are no news: steps that are no whole number of the
+#: last digit are told as the one or the other, and which of them the first log has is chance.
+ALREADY = 2
 #: Times the noise of the baseline that windows with coarser numbers have where these matter.
 NEWS = 1.25
 
@@ -56,6 +59,7 @@ def rounded_since(statistics: WindowStatistics, baseline: np.ndarray | None, fla
     marked = marked_since(statistics, baseline, flag)
     if not marked.any():
         return marked
+    marked &= marked[baseline].sum(axis=0) < ALREADY
     noise = np.sqrt(statistics.noise_variance)
     usual = known_median(np.where(baseline[:, None], noise, np.nan), axis=0)
     with np.errstate(invalid="ignore"):
