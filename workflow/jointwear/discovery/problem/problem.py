@@ -383,6 +383,4 @@ class Problem:
         if self.state.torque_kind != "link_sensor":
             return wide
         # Behind the gear neither friction nor inertia of the motor are felt: what the file does not have is not there.
-        robot = self.robot
-        given = (robot.coulomb_positive, robot.coulomb_negative, robot.viscous, robot.armature)
-        return np.where([g[axis] != 0 for g in given], wide, ABSENT * wide)
+        return np.where(self.drive_parameters[axis] != 0, wide, ABSENT * wide)

@@ -6,6 +6,7 @@ import io
 import re
 from typing import BinaryIO, cast
 
+from jointwear.measurement.formats.pieces import Pieces
 from jointwear.measurement.formats.unpacked import is_broken
 
 #: What is between two columns once there is one of it.
@@ -20,35 +21,17 @@ def single(line: str) -> str:
     return BLANK.join(line.split())
 
 
-class SingleBlanks(io.RawIOBase):
-    """The text of a file with one blank between columns and none around them, line by line; it closes the file."""
-
-    def __init__(self, file: BinaryIO) -> None:
-        super().__init__()
-        self._file, self._ready = file, b""
+class SingleBlanks(Pieces):
+    """The text of a file with one blank between columns and none around them, line by line."""
 
     @property
     def broken(self) -> bool:
         """Whether the file was cut or damaged, as far as it has been read."""
         return is_broken(self._file)
 
-    def readable(self) -> bool:
-        """Return that it can be read."""
-        return True
-
-    def readinto(self, buffer: memoryview) -> int:
-        """Put the next bytes into a buffer and return how many, 0 at the end."""
-        if not self._ready:
-            lines = b"".join(self._file.readlines(_BLOCK))
-            self._ready = _AROUND.sub(b"", _BETWEEN.sub(b" ", lines))
-        given, self._ready = self._ready[: len(buffer)], self._ready[len(buffer) :]
-        buffer[: len(given)] = given
-        return len(given)
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        super().close()
+    def _piece(self) -> bytes:
+        lines = b"".join(self._file.readlines(_BLOCK))
+        return _AROUND.sub(b"", _BETWEEN.sub(b" ", lines))
 
 
 def with_single_blanks(file: BinaryIO) -> BinaryIO:

@@ -24,6 +24,8 @@ from jointwear.measurement.log_entries import JOINT, names_allowed
 
 #: Most columns of a table: eight roles of a thousand axes and what a logger writes beside them.
 MOST_COLUMNS = 10_000
+#: Most names that a message tells, and letters of each.
+_MOST_NAMES, _LONGEST = 24, 120
 
 
 def check_count(path: Path, count: int) -> None:
@@ -114,6 +116,7 @@ def _listed(
         unused = [c for c in there if c not in named]
         has = f"not used: {_few(unused)}" if unused else f"it has: {_few(there)}"
         raise InputError(f"{path}: has no column '{missing}' for {role}{nearest(missing, unused)} ({has})")
+    # That the joint roles have a name for each axis is asked of all of them together.
     fits, allowed = names_allowed(role, len(names))
     if len(names) not in fits:
         raise InputError(f"{path}: 'variables.{role}' has {counted(len(names), 'name')}; allowed: {allowed}")
@@ -196,10 +199,6 @@ def _next_missing(layout: Layout, role: str, names: Sequence[str], axes: int, th
 #: Columns of a table in long form: what names the quantity of a row, and what holds its value.
 _NAMES_OF_LONG = ("tag", "variable", "name", "signal", "channel", "field", "_field", "metric", "key", "topic")
 _VALUES_OF_LONG = ("value", "_value", "val")
-#: Most names that a message tells.
-_MOST_NAMES = 24
-#: Letters of a name that a message tells.
-_LONGEST = 120
 #: Most columns that such a table has: those two, the time, and what a data base writes beside them.
 _MOST_OF_LONG = 12
 

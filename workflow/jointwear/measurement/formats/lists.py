@@ -31,7 +31,7 @@ def columns_beside_lists(names: list[str], lists: Mapping[str, int]) -> list[tup
     """Return names, each with its column of the file: those of `names` themselves, and `name_1`, `name_2` ... of one
     that holds lists."""
     found = [(name, name) for name in names if name not in lists]
-    return found + [(f"{name}_{k + 1}", name) for name, width in lists.items() for k in range(width)]
+    return found + [(one, name) for name, width in lists.items() for one in _names(name, width)]
 
 
 def without_lists(path: Path, batch: pa.RecordBatch, lists: Mapping[str, int], row: int) -> pa.RecordBatch:
@@ -56,8 +56,13 @@ def without_lists(path: Path, batch: pa.RecordBatch, lists: Mapping[str, int], r
                 f"{path}: row {row + place + 1} of the column '{name}' holds {count(lengths[place].as_py(), 'value')}, "
                 f"the first one {width}"
             )
-        columns |= {f"{name}_{k + 1}": compute.list_element(values, k) for k in range(width)}
+        columns |= {one: compute.list_element(values, k) for k, one in enumerate(_names(name, width))}
     return pa.RecordBatch.from_pydict(columns)
+
+
+def _names(name: str, width: int) -> list[str]:
+    """Return the names of the columns that a column of lists stands for."""
+    return [f"{name}_{k + 1}" for k in range(width)]
 
 
 def _width(file: parquet.ParquetFile, column: pa.Field) -> int:

@@ -52,7 +52,12 @@ class Head:
 
 
 def head_of(path: Path, layout: Layout) -> Head:
-    """Look at the first lines: a preamble may come before the header, a row of units after it."""
+    """Return what the first lines of a log tell: a preamble may come before the header, a row of units after it.
+
+    Raises
+    ------
+    InputError : if there is no text, no header or no table of numbers.
+    """
     lines, encoding = _first_lines(path)
     if not any(line.strip() for line in lines):
         raise InputError(f"{path}: {EMPTY}")
@@ -230,6 +235,7 @@ def _is_value(cell: str) -> bool:
 
 
 def is_number(text: str) -> bool:
+    """Return whether a text is a number with a decimal point."""
     try:
         float(text)
     except ValueError:

@@ -7,6 +7,8 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO, cast
 
+from jointwear.measurement.formats.pieces import Pieces
+
 #: Packed bytes that are read at a time.
 _PACKED = 1 << 14
 #: Longest line of which the end is waited for.
@@ -15,7 +17,7 @@ _LONGEST = 1 << 20
 _GZIP = 16 + zlib.MAX_WBITS
 
 
-class Unpacked(io.RawIOBase):
+class Unpacked(Pieces):
     """The text of a gzip file, of several packed parts one after another too.
 
     Attributes
@@ -24,30 +26,19 @@ class Unpacked(io.RawIOBase):
     """
 
     def __init__(self, path: Path) -> None:
-        super().__init__()
-        self._file, self._unpack = path.open("rb"), zlib.decompressobj(_GZIP)
-        self._line, self._ready, self._ended = b"", b"", False
+        super().__init__(path.open("rb"))
+        self._unpack = zlib.decompressobj(_GZIP)
+        self._line, self._ended = b"", False
         self._begun, self.broken = False, False
 
-    def readable(self) -> bool:
-        """Return that it can be read."""
-        return True
+    def _piece(self) -> bytes:
+        text = b""
+        while not text and not self._ended:
+            text = self._lines()
+        return text
 
-    def readinto(self, buffer: memoryview) -> int:
-        """Put the next bytes into a buffer and return how many, 0 at the end."""
-        while not self._ready and not self._ended:
-            self._more()
-        given, self._ready = self._ready[: len(buffer)], self._ready[len(buffer) :]
-        buffer[: len(given)] = given
-        return len(given)
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        super().close()
-
-    def _more(self) -> None:
-        """Unpack the next bytes; what may be half a line waits for its end."""
+    def _lines(self) -> bytes:
+        """Unpack the next bytes and return what is whole of them; what may be half a line waits for its end."""
         packed, text = self._file.read(_PACKED), self._line
         self._ended = not packed
         try:
@@ -64,7 +55,8 @@ class Unpacked(io.RawIOBase):
         whole = text.rfind(b"\n") + 1
         if self._ended != self.broken or (not self._ended and len(text) - whole > _LONGEST):
             whole = len(text)
-        self._ready, self._line = text[:whole], text[whole:]
+        self._line = text[whole:]
+        return text[:whole]
 
 
 def open_text(path: Path) -> BinaryIO:
