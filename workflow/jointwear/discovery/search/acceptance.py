@@ -173,7 +173,7 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
             lead = levels_lead(white, beside, trial)
             gates.append(("nats by which a level of its own in each record does better", -lead, -half))
         # Twice as large as what it has to explain: by the triangle inequality more is left with it than without.
-        cancels = _cancels(white, trial)
+        cancels = _cancels(white, before, trial)
         gates.append(("its RMS torque over that of the discrepancy of its axis", -cancels, -2.0))
         effect = get_effect(trial.candidate.effect)
         if effect.late:
@@ -237,15 +237,17 @@ def mass_refusals(white: White, before: list[Term], trial: Named) -> list[Refusa
     return []
 
 
-def _cancels(white: White, trial: Named) -> float:
+def _cancels(white: White, before: list[Term], trial: Named) -> float:
     """Return the RMS torque of an effect, fitted, over that of the discrepancy of its axis.
 
     What friction and motor inertia could take over of it does not count. Above 2 the effect can only cancel other
-    terms: whatever friction stands beside it, it leaves more of the discrepancy than there was.
+    terms: whatever friction stands beside it, it leaves more of the discrepancy than there was. Terms of other axes
+    stand beside it, because what those lack bends the links that all axes share; terms of its own it must not cancel.
     """
     problem, axis = white.problem, trial.candidate.axis
     used = problem.usable[:, axis]
-    torque = fitted_torque(white, white.fit(), trial.candidate, trial.term.blocks, trial.term.std)
+    elsewhere = white.fit([t for t in before if axis not in t.blocks])
+    torque = fitted_torque(white, elsewhere, trial.candidate, trial.term.blocks, trial.term.std)
     torque = without_drives(problem, axis, torque)
     discrepancy = problem.discrepancy[problem.train, axis][used]
     return float(np.sqrt(np.mean(torque**2) / max(float(np.mean(discrepancy**2)), 1e-300)))
