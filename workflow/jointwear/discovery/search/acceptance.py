@@ -210,14 +210,22 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
     return failed + bounds + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
 
 
-def nats_without_witnesses(white: White, before: list[Term], one: Named, witnesses: Collection[int]) -> float:
+def nats_without_witnesses(
+    white: White, before: list[Term], one: Named, witnesses: Collection[int], wider: float = 1.0
+) -> float:
     """Return the nats of an effect where the axes `witnesses` (0-based) say nothing of the links.
 
     The torque of an axis alone does not tell a factor of it from links that are all as much heavier: what other axes
     say of the links does. An axis that lacks something bends the links to it, and then witnesses against all others.
+
+    Parameters
+    ----------
+    wider : how many times as far as their prior says the links may be off.
     """
     base = [
-        replace(t, blocks={a: x for a, x in t.blocks.items() if a not in witnesses}) if t.label == INERTIAL else t
+        replace(t, blocks={a: x for a, x in t.blocks.items() if a not in witnesses}, std=wider * t.std)
+        if t.label == INERTIAL
+        else t
         for t in white.base
     ]
     b, gram = Fit(white.targets, [*base, *before]).gram(one.term.blocks)

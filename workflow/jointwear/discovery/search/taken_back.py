@@ -16,8 +16,11 @@ def believe_no_bent_links(outcome: Outcome) -> None:
     """Take the names back that nothing but a joint with structure left asks for.
 
     It bends the links that it shares with the others, and a factor of all torque or a spring there makes up for that.
+    Where half of the other joints stay unexplained, as where a link has another length, none of them says what the
+    links are, and a factor of the torque of a joint has to be more than all links that are as much heavier.
     """
-    half = 0.5 * outcome.problem.settings.accept
+    settings = outcome.problem.settings
+    half = 0.5 * settings.accept
     gate = "nats where joints that stay unexplained say nothing of the links"
     bent = {u.axis for u in outcome.unexplained}
     refused = []
@@ -25,7 +28,10 @@ def believe_no_bent_links(outcome: Outcome) -> None:
         axis = one.candidate.axis
         if axis is None or one.candidate.effect == LINK_MASS or not bent - {axis}:
             continue
-        nats = nats_without_witnesses(outcome.white, outcome.terms_beside(one), one, bent - {axis})
+        others = set(outcome.problem.judged) - {axis}
+        doubtful = of_drive(one.candidate) and 2 * len(bent - {axis}) >= len(others)
+        witnesses, wider = (others, settings.mass_sigmas) if doubtful else (bent - {axis}, 1.0)
+        nats = nats_without_witnesses(outcome.white, outcome.terms_beside(one), one, witnesses, wider)
         if nats < half:
             refused.append(Refusal(one.candidate, one.evidence, gate, nats, half))
     _take_back(outcome, refused)
