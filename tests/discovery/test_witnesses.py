@@ -8,11 +8,12 @@ import pytest
 from discovery_cases import trial_of
 
 from jointwear.discovery.estimates.outcome import Outcome
+from jointwear.discovery.linear import Term
 from jointwear.discovery.problem.whitening import INERTIAL
-from jointwear.discovery.search import taken_back
+from jointwear.discovery.search import acceptance, taken_back
 from jointwear.discovery.search.acceptance import nats_without_witnesses
 
-SHOULDER, ELBOW, WRIST = 1, 2, 5
+TURNTABLE, SHOULDER, ELBOW, WRIST = 0, 1, 2, 5
 
 
 GAIN = "torque_constant_error", {}
@@ -83,6 +84,45 @@ def test_its_own_axis_is_asked_all_the_same(bent):
     outcome = _outcome(bent, _gain(bent), {ELBOW})
     taken_back.believe_no_bent_links(outcome)
     assert outcome.named
+
+
+@pytest.mark.parametrize(
+    ("unexplained", "stays"),
+    [({SHOULDER}, True), ({4, WRIST}, True), ({3, 4, WRIST}, False), ({TURNTABLE, 4, WRIST}, True)],
+)
+def test_a_gain_is_more_than_heavier_links_where_half_of_the_others_stay_unexplained(
+    white, unexplained, stays, monkeypatch
+):
+    """A link of another length changes many joints; the first, which no gravity loads, then looks like a gain."""
+    monkeypatch.setattr(taken_back, "settle", lambda outcome: None)
+    own = _gain(white, TURNTABLE).term.blocks[TURNTABLE][:, 0]
+    off = replace(white, targets=[y + 0.07 * own if a == TURNTABLE else y for a, y in enumerate(white.targets)])
+    outcome = _outcome(off, _gain(off, TURNTABLE), unexplained)
+    taken_back.believe_no_bent_links(outcome)
+    assert bool(outcome.named) == stays
+
+
+def test_a_spring_of_one_axis_keeps_its_name_where_half_of_the_others_stay_unexplained(white, monkeypatch):
+    """Heavier links are no spring: what is asked of a factor of all torque is not asked of it."""
+    monkeypatch.setattr(taken_back, "settle", lambda outcome: None)
+    own = _gain(white, effect=SPRING).term.blocks[ELBOW][:, 0]
+    off = replace(white, targets=[y + 40.0 * own if a == ELBOW else y for a, y in enumerate(white.targets)])
+    outcome = _outcome(off, _gain(off, effect=SPRING), {TURNTABLE, SHOULDER, WRIST})
+    taken_back.believe_no_bent_links(outcome)
+    assert outcome.named
+
+
+def test_what_another_axis_lacks_and_has_in_the_model_makes_no_effect_cancel(bent):
+    """It bends the links as long as it has no name; beside its name the discrepancy of this axis is asked alone."""
+    gain = _gain(bent)
+    nothing = replace(bent, targets=[0.0 * y for y in bent.targets])
+    shoulder = bent.targets[SHOULDER][:, None]
+    term = Term("of the shoulder", {SHOULDER: shoulder}, np.array([10.0]), {})
+    own = Term("of the elbow", {ELBOW: gain.term.blocks[ELBOW]}, np.array([10.0]), {})
+    assert acceptance._cancels(bent, [], gain) > 2.0 > acceptance._cancels(bent, [term], gain)
+    # What it would cancel may be a term of its own axis: that does not stand beside it.
+    assert acceptance._cancels(bent, [own], gain) == acceptance._cancels(bent, [], gain)
+    assert acceptance._cancels(nothing, [], gain) < 2.0
 
 
 @pytest.mark.parametrize(("off", "stays"), [(0.1, True), (0.6, False)])

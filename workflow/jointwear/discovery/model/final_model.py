@@ -129,13 +129,15 @@ def named_all_the_same(
     A model falls back where one record left out is predicted worse, as when the others have to extrapolate to it. That
     does not speak against an effect with which all records together are predicted better than by the given robot.
     Where no structure is left the parts that a name has to predict are asked instead: out of three records two would
-    have to extrapolate to the third. Beside structure on its own axis it does: what nobody can name may be all that
+    have to extrapolate to the third. A record with which it is far worse speaks against it, unless parts say that it is
+    nearly all of what its axes lack. Beside structure on its own axis it does: what nobody can name may be all that
     such an effect has found. The others are suspects.
     """
     outcome, white = weighing.outcome, weighing.white
     whole = fit_model(weighing, base, model)
-    ratio = cache(lambda parts: left_out_ratio(white, whole.fit.terms, each=False, parts=parts))
-    surely = Asked(white, whole.fit.terms)(whole.fit.terms).surely
+    terms = whole.fit.terms
+    ratio = cache(lambda parts: left_out_ratio(white, terms, each=False, parts=parts))
+    surely = Asked(white, terms)(terms).surely
     still = {u.axis for u in outcome.unexplained}
     named, suspects = [], []
     for effect, estimate in zip(model.effects, whole.estimates, strict=True):
@@ -144,11 +146,24 @@ def named_all_the_same(
         axis = effect.candidate.axis
         axes = white.problem.judged if axis is None else (axis,)
         fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
-        if fine and axis not in still and max(surely[j] for j in axes) <= ADDS_MORE:
+        if (
+            fine
+            and axis not in still
+            and (max(surely[j] for j in axes) <= ADDS_MORE or _nearly_all_in_parts(white, terms, effect, axes))
+        ):
             named.append(estimate)
         else:
             suspects.append((effect.named, "with it the model predicts records left out worse than the given robot"))
     return tuple(named), tuple(suspects)
+
+
+def _nearly_all_in_parts(white: White, terms: list[Term], effect: RefinedEffect, axes: Sequence[int]) -> bool:
+    """Return whether an effect explains nearly all of what each axis lacks without it, in parts that are left out."""
+    own = [effect.term] if effect.bend is None else [effect.term, effect.bend[1]]
+    without = [t for t in terms if not any(t is o for o in own)]
+    before, beside = (left_out_ratio(white, some, each=False, parts=True) for some in (without, terms))
+    left = 1.0 - white.problem.settings.nearly_all
+    return all(beside[j] ** 2 <= left * before[j] ** 2 for j in axes)
 
 
 def base_of(white: White, fit: Fit, masses: Sequence[Named]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
