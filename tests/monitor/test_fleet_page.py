@@ -12,6 +12,7 @@ from jointwear.monitor.findings.loud import LOUD
 from jointwear.monitor.findings.odd_motion import STOPPED
 from jointwear.monitor.findings.read_findings import DRIVES, drives_words
 from jointwear.monitor.findings.told_together import told_together
+from jointwear.monitor.fleet.folders import own_folder
 from jointwear.monitor.fleet.page import fleet_heading, robot_item, write_fleet_page
 from jointwear.monitor.fleet.ranking import as_of
 from jointwear.monitor.fleet.summary import summarise_fleet
@@ -36,6 +37,33 @@ def test_the_most_urgent_robot_comes_first(built_fleet):
     assert "2025-12-31 19:00 EST" in text
     assert "shift 2" in text
     assert "silent for 5 days" in text
+
+
+@pytest.mark.parametrize(
+    ("robots", "told"),
+    [
+        ({"mine": "one", "gone": "one", "broken": ""}, None),
+        (
+            {"theirs": "two"},
+            "1 robot of another configuration is not on this page, which took the place of theirs: theirs.",
+        ),
+        ({f"r_{k:02}": "two" for k in range(12)}, "12 robots of another configuration are not on this page"),
+    ],
+)
+def test_robots_of_another_configuration_are_told_of(tmp_path, robots, told):
+    """A second configuration in one folder takes the page; what it leaves out must not look healthy."""
+    for name, configuration in robots.items():
+        own_folder(tmp_path / "robots", name, {"logs": [f"{name}/*.csv"]}, (), configuration).mkdir(exist_ok=True)
+    (tmp_path / "rows.json").write_text(json.dumps({"robots": [robot("arm", axis(1))]}))
+    outputs = [tmp_path / name for name in ("fleet.csv", "index.html", "metrics.prom", "history.parquet", "rows.json")]
+    summarise_fleet(
+        [tmp_path / "rows.json"], tmp_path / "robots", *outputs, configuration="one", time_zone=None, now=NOW
+    )
+    text = outputs[1].read_text()
+    assert ("of another configuration" in text) == (told is not None)
+    if told:
+        assert told in text
+        assert ("r_09 and 2 more." in text) == (len(robots) > 10)
 
 
 def test_spells_that_are_over_are_told_once_and_last():

@@ -81,8 +81,19 @@ def left_folders(folder: Path, known: Collection[str], configuration: str) -> li
     folder : of the robots. known : names of the folders of the robots that the configuration names now.
     configuration : see :func:`own_folder`; robots of another one are none of it.
     """
-    marks = {path.parent.name: _mark(path) for path in sorted(folder.glob(f"*/{WHOSE}"))}
-    return [name for name, mark in marks.items() if name not in known and mark[1:] == [configuration]]
+    return [name for name, mark in _others(folder, known).items() if mark[1:] == [configuration]]
+
+
+def folders_of_others(folder: Path, known: Collection[str], configuration: str) -> list[str]:
+    """Return the names of the folders of robots that other configurations named, in order; arguments as of
+    :func:`left_folders`."""
+    return [name for name, mark in _others(folder, known).items() if mark[1:] not in ([], [configuration])]
+
+
+def _others(folder: Path, known: Collection[str]) -> dict[str, list[str]]:
+    """Return the marks of the folders that are not `known` by their names, in order."""
+    paths = [path for path in sorted(folder.glob(f"*/{WHOSE}")) if path.parent.name not in known]
+    return {path.parent.name: _mark(path) for path in paths}
 
 
 def _mark(file: Path) -> list[str]:

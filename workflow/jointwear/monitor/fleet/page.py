@@ -221,6 +221,7 @@ def write_fleet_page(
     now: float,
     link: str = "robots",
     waiting: Sequence[str] = (),
+    others: Sequence[str] = (),
 ) -> None:
     """Write the page of ranked rows.
 
@@ -228,12 +229,14 @@ def write_fleet_page(
     ----------
     rows : of :func:`~jointwear.monitor.fleet.ranking.ranked`. now : [s since 1970] that they are as of.
     link : relative path from the page to the folders of the robots.
-    waiting : channel of every message that could not be sent yet.
+    waiting : channel of every message that could not be sent yet. others : robots beside these that another
+        configuration named.
     """
     items = [robot_item(row, zone, link) for row in rows]
     context = {
         "heading": fleet_heading(rows),
         "unsent": {channel: list(waiting).count(channel) for channel in sorted(set(waiting))},
+        "others": list(others),
         "as_of": local_time(now - now % 60, zone),
         "numbers": [(kind, BADGES[kind], sum(r["urgency"] == kind for r in rows)) for kind in ORDER],
         "waiting": [item for item in items if item["urgency"] != HEALTHY],

@@ -9,7 +9,7 @@ from datetime import tzinfo
 from pathlib import Path
 
 from jointwear.files.json_documents import write_json
-from jointwear.monitor.fleet.folders import left_folders
+from jointwear.monitor.fleet.folders import folders_of_others, left_folders
 from jointwear.monitor.fleet.history import join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
@@ -53,7 +53,8 @@ def summarise_fleet(
     table, page, metrics, history, rows : files to write: CSV, HTML, text format of Prometheus, Parquet, JSON.
     outbox : of `notify`; the page tells of messages that wait. time_zone : IANA name, for the page.
     stale_after : silence [h] after which a robot counts as stale.
-    configuration : that names the robots; those that it named once are told of by their folders, `left` of `rows`.
+    configuration : that names the robots; those that it named once are told of by their folders, `left` of `rows`. The
+        page tells of those that another configuration named: it takes the place of theirs.
     now : [s since 1970] that staleness counts from, default the clock's.
     """
     now, zone = time.time() if now is None else now, zone_of(time_zone)
@@ -61,11 +62,13 @@ def summarise_fleet(
     write_table(found, table)
     write_metrics(found, now, metrics)
     join_histories(_histories(found, Path(folder)), history)
-    left = left_folders(Path(folder), {row["folder"] for row in found}, configuration)
+    known = {row["folder"] for row in found}
+    left = left_folders(Path(folder), known, configuration)
+    others = folders_of_others(Path(folder), known, configuration)
     write_json(rows, {"now": now, "robots": found, "left": left})
     link = Path(folder).relative_to(Path(page).parent).as_posix()
     waiting = Outbox.open(outbox).waiting if outbox else []
-    write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting])
+    write_fleet_page(found, page, zone, now, link, [message["channel"] for message in waiting], others)
 
 
 def _histories(rows: Sequence[dict], folder: Path) -> list[Path]:
