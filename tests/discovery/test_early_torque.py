@@ -29,12 +29,23 @@ def late(white, delay, kind="motor"):
     return Outcome(problem, asked, asked.fit([term]), None, named=[Named(candidate, term, None, 99.0)])
 
 
-@pytest.mark.parametrize(("share", "stands"), [(0.5, False), (-0.5, False), (2.0, True)])
-def test_a_delay_within_what_the_time_of_a_torque_is_known_to_is_no_name(white, share, stands, monkeypatch):
-    """A torque logged a quarter of a millisecond early on all joints, at 125 Hz, was the delay of one of them."""
+@pytest.mark.parametrize(
+    ("share", "kind", "stands"),
+    [
+        (0.5, "motor", False),
+        (-0.5, "command", False),
+        (2.0, "motor", True),
+        (-3.0, "command", True),
+        (-11.0, "motor", False),
+        (-14.0, "motor", True),
+    ],
+)
+def test_a_delay_within_what_the_time_of_a_torque_is_known_to_is_no_name(white, share, kind, stands, monkeypatch):
+    """A torque logged a quarter of a millisecond early on all joints, at 125 Hz, was the delay of one of them; so was
+    one that is held for half a period and no command."""
     settled = []
     monkeypatch.setattr(taken_back, "settle", settled.append)
-    outcome = late(white, share * assumed.CLOCK / white.problem.measured.logged_rate)
+    outcome = late(white, share * assumed.CLOCK / white.problem.measured.logged_rate, kind)
     taken_back.believe_no_delay_within_the_clock(outcome)
     assert bool(outcome.named) == stands
     assert len(settled) == len(outcome.refusals) == (not stands)

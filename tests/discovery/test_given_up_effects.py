@@ -44,9 +44,14 @@ def test_a_name_that_the_file_does_without_is_a_suspect_where_structure_is_left_
         assert bool(final.suspects) == suspected
 
 
-@pytest.mark.parametrize(("ratio", "named"), [(1.9, True), (2.1, False)])
-def test_an_effect_that_adds_more_than_the_robot_lacks_is_a_suspect(rooted, monkeypatch, ratio, named):
-    """Records that are predicted far worse with it speak against it, those that are a little worse do not."""
+@pytest.mark.parametrize(
+    ("ratio", "beside", "named"), [(1.9, 0.9, True), (2.1, 0.9, False), (2.1, 0.46, False), (2.1, 0.44, True)]
+)
+def test_an_effect_that_adds_more_than_the_robot_lacks_is_a_suspect(rooted, monkeypatch, ratio, beside, named):
+    """Records that are predicted far worse with it speak against it, those that are a little worse do not.
+
+    Nor does one to which the others have to be carried on, if it is nearly all of what parts of records lack.
+    """
     white = rooted.final.outcome.white
     one = rooted.final.outcome.named[0]
     effect = RefinedEffect(one, one.candidate, one.term)
@@ -54,6 +59,11 @@ def test_an_effect_that_adds_more_than_the_robot_lacks_is_a_suspect(rooted, monk
     base = likely_base(white, [effect.term])[0]
     told = replace(Asked(white, base)(base), surely=np.full(6, ratio))
     monkeypatch.setattr("jointwear.discovery.model.final_model.Asked", lambda *_: lambda _: told)
+
+    def left_out(_, terms, each, parts):
+        return np.full(6, beside if any(t is effect.term for t in terms) else 1.0)
+
+    monkeypatch.setattr("jointwear.discovery.model.final_model.left_out_ratio", left_out)
     model = RefinedModel((effect,), ())
     still, suspects = named_all_the_same(weighing, base, model, [effect])
     assert (len(still), len(suspects)) == ((1, 0) if named else (0, 1))

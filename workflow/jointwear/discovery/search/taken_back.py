@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from jointwear.discovery import assumed
 from jointwear.discovery.estimates.effect_estimates import links_error
 from jointwear.discovery.estimates.outcome import Outcome, Refusal
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.search.acceptance import nats_without_witnesses, of_drive, of_late_torque
-from jointwear.discovery.search.early_torque import delay_of
+from jointwear.discovery.search.early_torque import delay_of, periods_known
 from jointwear.discovery.search.forms_beyond import of_another_form
 from jointwear.discovery.search.standing_alone import settle
 
@@ -56,13 +55,15 @@ def believe_no_delay_within_the_clock(outcome: Outcome) -> None:
     """Take the names back of delays that are shorter than the time of a torque is known to.
 
     A controller whose torque is logged a part of its own period beside the position does that on all joints; where the
-    model of the others is too coarse to say so, one joint alone would get the name.
+    model of the others is too coarse to say so, one joint alone would get the name. A torque that is held is early by
+    up to half of a period of the log (:func:`.early_torque.periods_known`).
     """
     gate = "delay over what the time of a torque is known to"
     refused = []
     for one in outcome.named:
         if of_late_torque(one.candidate):
-            delay = abs(delay_of(outcome, one)) * outcome.problem.measured.logged_rate / assumed.CLOCK
+            periods = abs(delay_of(outcome, one)) * outcome.problem.measured.logged_rate
+            delay = periods / periods_known(outcome, one)
             if delay < 1.0:
                 refused.append(Refusal(one.candidate, one.evidence, gate, delay, 1.0))
     _take_back(outcome, refused)
