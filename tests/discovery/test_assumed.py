@@ -64,7 +64,7 @@ OTHERS = {
     "half, which is most of something, or no price at all": """
         changing_size.CHANGING decide.LIKELY left_out.UNTOLD standing_alone.MOST saturated.SEEN shaken.DERIVED
         final_model.ADDS_MORE shared_drives.UNEXPLAINED building_up.QUIET saturated.TWICE slow_noise.PRICE
-        instruments.FEIGNED bursts.HIDES early_torque.HELD
+        instruments.FEIGNED bursts.HIDES shared_delay.HELD
     """,
     "of a fit that is stored with its source": "calibration.COARSE calibration.LEAST_LEFT",
     "which rivals are told as tied with a name, and asked where it is not likely": """

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from jointwear.discovery import assumed
 from jointwear.discovery.estimates.outcome import Named, Outcome
 from jointwear.discovery.search.acceptance import of_late_torque
 from jointwear.effects import get_effect
 
-#: Sampling periods by which a torque that is held from one sample to the next is early at most: half of one, which is
-#: the mean of a zero-order hold (Franklin, Powell and Workman 1998, chapter 4), and the two times, of which each is
-#: known so well.
-HELD = 0.5 + 2.0 * assumed.CLOCK
 #: What is said of an early torque on an axis on which structure is left.
 EARLY = (
     "the torque would have to be early, as a logged command is and that of a motor or a sensor is not, and structure "
@@ -28,16 +23,6 @@ def early(outcome: Outcome, one: Named) -> bool:
     if not of_late_torque(one.candidate) or outcome.problem.state.torque_kind == "command":
         return False
     return delay_of(outcome, one) < 0
-
-
-def periods_known(outcome: Outcome, one: Named) -> float:
-    """Return to how many sampling periods the time of the torque of a name is known.
-
-    Two times are compared. A torque that is no command and comes early is one that a controller holds from sample to
-    sample: most joints together tell that (:func:`.shared_delay.shared_delay`), and where noise leaves but one of them
-    a band to tell it, that one has no delay of its own.
-    """
-    return HELD if early(outcome, one) else assumed.CLOCK
 
 
 def delay_of(outcome: Outcome, one: Named) -> float:

@@ -25,6 +25,9 @@ from jointwear.effects import State, get_effect
 from jointwear.effects.order import change_by_delay
 from jointwear.measurement.recording import Recording
 
+#: Sampling periods by which a torque that is held from one sample to the next is early at most: half of one, to which a
+#: zero-order hold delays, and two times of which each is known so well.
+HELD = 0.5 + 2.0 * assumed.CLOCK
 #: Delays that are compared on either side of none.
 STEPS = 60
 #: Delays of one joint that are computed; what lies between is led over.
@@ -102,6 +105,17 @@ def shared_delay(
         return float(shares[best] * period)
     # What is later still is no matter of sampling. What was read the other way is none of it either.
     return 0.0 if shares[best] * read < 0 else read
+
+
+def of_others_against(white: White, fit: Fit, axis: int, delay: float) -> float:
+    """Return the nats with which the other axes speak against a delay [s] of all that one (0-based) has, over none.
+
+    No axis counts for more than half of what a name needs, for or against.
+    """
+    period, most = 1.0 / white.problem.measured.logged_rate, 0.5 * white.problem.settings.accept
+    shares = np.array([-HELD, delay / period, 0.0, HELD])
+    lost = (told for other, told in _of_joints(white, fit, period, shares).items() if other != axis)
+    return float(sum(np.clip(told[1] - told[2], -most, most) for told in lost))
 
 
 def lasting_terms(named: Sequence[Named]) -> list[Term]:

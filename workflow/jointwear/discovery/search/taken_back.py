@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from jointwear.discovery import assumed
 from jointwear.discovery.estimates.effect_estimates import links_error
 from jointwear.discovery.estimates.outcome import Outcome, Refusal
 from jointwear.discovery.problem.candidates import LINK_MASS
 from jointwear.discovery.search.acceptance import nats_without_witnesses, of_drive, of_late_torque
-from jointwear.discovery.search.early_torque import delay_of, periods_known
+from jointwear.discovery.search.early_torque import delay_of, early
 from jointwear.discovery.search.forms_beyond import of_another_form
+from jointwear.discovery.search.shared_delay import HELD, of_others_against
 from jointwear.discovery.search.standing_alone import settle
 
 
@@ -55,17 +57,22 @@ def believe_no_delay_within_the_clock(outcome: Outcome) -> None:
     """Take the names back of delays that are shorter than the time of a torque is known to.
 
     A controller whose torque is logged a part of its own period beside the position does that on all joints; where the
-    model of the others is too coarse to say so, one joint alone would get the name. A torque that is held is early by
-    up to half of a period of the log (:func:`.early_torque.periods_known`).
+    model of the others is too coarse to say so, one joint alone would get the name. A torque that it holds is early by
+    up to half of a period of the log: that is no name where the other joints do not speak against it.
     """
-    gate = "delay over what the time of a torque is known to"
     refused = []
     for one in outcome.named:
-        if of_late_torque(one.candidate):
-            periods = abs(delay_of(outcome, one)) * outcome.problem.measured.logged_rate
-            delay = periods / periods_known(outcome, one)
-            if delay < 1.0:
-                refused.append(Refusal(one.candidate, one.evidence, gate, delay, 1.0))
+        if not of_late_torque(one.candidate):
+            continue
+        delay, half = delay_of(outcome, one), 0.5 * outcome.problem.settings.accept
+        periods = abs(delay) * outcome.problem.measured.logged_rate
+        if periods < assumed.CLOCK:
+            gate = "delay over what the time of a torque is known to"
+            refused.append(Refusal(one.candidate, one.evidence, gate, periods / assumed.CLOCK, 1.0))
+        elif early(outcome, one) and periods < HELD:
+            against = of_others_against(outcome.white, outcome.fit, one.candidate.axis, delay)
+            gate = "nats of the other joints against a torque that is held, and early on all of them"
+            refused += [] if against >= half else [Refusal(one.candidate, one.evidence, gate, against, half)]
     _take_back(outcome, refused)
 
 
