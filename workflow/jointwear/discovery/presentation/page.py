@@ -73,7 +73,7 @@ def lead(content: dict[str, Any]) -> list[str]:
         sentences.append(_what_is_left(content))
     if content["suspects"]:
         suspects = "; ".join(name(e) for e in content["suspects"])
-        sentences.append(f"Suspects on joints that stay unexplained: {suspects}.")
+        sentences.append(f"Suspects, which are no names: {suspects}.")
     sentences += _bodies(content)
     closed = _closed(content["gap"], _untold(content))
     if closed is not None:

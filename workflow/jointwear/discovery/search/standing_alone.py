@@ -55,6 +55,7 @@ def stand_alone(outcome: Outcome) -> None:
     doubts = (
         _acts_on_two,
         _unsteady,
+        _of_no_constant,
         _in_its_place,
         partial(_swings_along, swing),
         _wound_up,
@@ -111,6 +112,19 @@ def _unsteady(outcome: Outcome, one: Named) -> str | None:
         nats, of, cause = max(steeper)
         return f"it grows with the square of the {of}, which explains {nats:.0f} nats more: so does what {cause}"
     return f"its size is not the same throughout the recordings, it varies by {100 * spread:.0f} % of its mean"
+
+
+def _of_no_constant(outcome: Outcome, one: Named) -> str | None:
+    """Say of a factor of all torque of an axis that it is none: what is left there goes with that torque.
+
+    Other effects have forms that may be off; a constant has one. A reading that saturates is no constant.
+    """
+    axis, effect = one.candidate.axis, one.candidate.effect
+    if effect == LINK_MASS or not get_effect(effect).of_drive:
+        return None
+    if not any(u.axis == axis and u.argument == get_effect(effect).argument for u in outcome.unexplained):
+        return None
+    return "it is not the same at all torques, over which structure is left"
 
 
 def _in_its_place(outcome: Outcome, one: Named) -> str | None:
