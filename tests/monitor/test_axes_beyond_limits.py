@@ -58,7 +58,10 @@ def test_growth_over_the_limit_without_an_alarm_is_not_called_healthy(monitored)
     assert (told["status"], told["label"], told["badge"]) == (HEALTHY, "over the limit, no alarm", "close")
     words = told["remark"].replace("\u00a0", " ")
     assert words.startswith("viscous friction +23.5 % now, Coulomb friction −13.5 %, over the limit of 20 % without an")
-    assert "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, check" in words
+    assert (
+        "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, ask whether"
+        in words
+    )
     assert standing(grown)["axes"][0]["over"] == told["remark"]
     summaries = [axis_summary(grown, j) for j in range(grown.axes)]
     over = [s["axis"] for s in summaries if s["label"] != HEALTHY]

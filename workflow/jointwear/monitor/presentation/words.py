@@ -66,10 +66,11 @@ def over_words(condition: AxisCondition) -> str:
     grown = {VISCOUS: condition.viscous, COULOMB: condition.growth}
     (other,) = set(grown) - {kind}
     beside = "" if math.isnan(grown[other]) else f", {other} {fixed(grown[other], 1, True)} %"
-    why = ""
+    # Lots of parts make single windows jump by more than an alarm believes.
+    why = "ask whether it carries another part or runs another program than the logs label; if not, "
     if kind == VISCOUS and grown[other] < 0:
         # An axis that was greased: the judgement knows it, and gives no alarm.
-        why = "thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, "
+        why = f"thicker grease does that, wear does not. Enter it under 'events' if it was greased; if not, {why}"
     limit = f"over the limit of {number(condition.limit, 2)} % without an alarm"
     told = f"{kind} {fixed(grown[kind], 1, True)} % now{beside}, {limit}; {why}{advice(kind, None)}."
     return told.replace("coulomb", "Coulomb").replace(" %", f"{NO_BREAK}%")
