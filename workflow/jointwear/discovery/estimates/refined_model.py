@@ -22,6 +22,11 @@ class RefinedEffect:
     term: Term
     bend: tuple[Form, Term] | None = None
 
+    @property
+    def terms(self) -> list[Term]:
+        """Its term, and that of its bend where it has one."""
+        return [self.term] if self.bend is None else [self.term, self.bend[1]]
+
 
 @dataclass(frozen=True)
 class RefinedModel:

@@ -92,9 +92,8 @@ def fit_model(weighing: Weighing, base: Sequence[Term], model: RefinedModel) -> 
     weak_base = [less[id(t)] for t in base]
     estimates = []
     for effect in model.effects:
-        own = [effect.term] if effect.bend is None else [effect.term, effect.bend[1]]
-        others = [less[id(t)] for t in terms if not any(t is o for o in own)]
-        where = [places[id(t)] for t in own]
+        others = [less[id(t)] for t in terms if not any(t is o for o in effect.terms)]
+        where = [places[id(t)] for t in effect.terms]
         rng = generator_of(effect.candidate)
         estimates.append(estimate_effect(weak, known, weak_base, effect, where, others, rng))
     friction, _, inertial = base_of(white, fit, masses)
@@ -146,22 +145,25 @@ def named_all_the_same(
         axis = effect.candidate.axis
         axes = white.problem.judged if axis is None else (axis,)
         fine = max(ratio(not still.intersection(axes))[j] for j in axes) <= 1.0
-        if (
-            fine
-            and axis not in still
-            and (max(surely[j] for j in axes) <= ADDS_MORE or _nearly_all_in_parts(white, terms, effect, axes))
-        ):
+        little = max(surely[j] for j in axes) <= ADDS_MORE
+        if fine and axis not in still and (little or _nearly_all_in_parts(white, terms, effect, axes, ratio(True))):
             named.append(estimate)
         else:
             suspects.append((effect.named, "with it the model predicts records left out worse than the given robot"))
     return tuple(named), tuple(suspects)
 
 
-def _nearly_all_in_parts(white: White, terms: list[Term], effect: RefinedEffect, axes: Sequence[int]) -> bool:
-    """Return whether an effect explains nearly all of what each axis lacks without it, in parts that are left out."""
-    own = [effect.term] if effect.bend is None else [effect.term, effect.bend[1]]
-    without = [t for t in terms if not any(t is o for o in own)]
-    before, beside = (left_out_ratio(white, some, each=False, parts=True) for some in (without, terms))
+def _nearly_all_in_parts(
+    white: White, terms: list[Term], effect: RefinedEffect, axes: Sequence[int], beside: np.ndarray
+) -> bool:
+    """Return whether an effect explains nearly all of what each axis lacks without it, in parts that are left out.
+
+    Parameters
+    ----------
+    beside : (n,) error of all `terms` on the parts over that of the given robot.
+    """
+    without = [t for t in terms if not any(t is o for o in effect.terms)]
+    before = left_out_ratio(white, without, each=False, parts=True)
     left = 1.0 - white.problem.settings.nearly_all
     return all(beside[j] ** 2 <= left * before[j] ** 2 for j in axes)
 

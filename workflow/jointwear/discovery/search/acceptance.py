@@ -203,9 +203,8 @@ def refusals(white: White, named: list[Named], trial: Named) -> list[Refusal]:
         spare = max(settings.accept, settings.form_error * trial.evidence)
         gates.append(("nats that no body that may exist would have", -impossible_nats(white, beside, trial), -spare))
     else:
-        wide = [replace(t, std=settings.mass_sigmas * t.std) if t.label == INERTIAL else t for t in white.base]
-        b, gram = Fit(white.targets, [*wide, *before]).gram(trial.term.blocks)
-        gates.append(("nats with inertial parameters known less", gain(b, gram, trial.term.std), half))
+        nats = nats_without_witnesses(white, before, trial, (), settings.mass_sigmas)
+        gates.append(("nats with inertial parameters known less", nats, half))
     bounds = [] if beyond is None else [_refused(trial, *beyond)]
     return failed + bounds + [_refused(trial, *gate) for gate in gates if not gate[1] >= gate[2]]
 

@@ -64,13 +64,13 @@ def shared_delay(
     """
     fit = white.fit(list(beside))
     settings = white.problem.settings
-    # Two times of which each is known so well; and half a period, to which a zero-order hold delays, and as much. Of a
-    # high rate the period of the samples that are kept counts: a loop of current is slower than the log.
+    # Two times of which each is known so well. Of a high rate the period of the samples that are kept counts: a loop of
+    # current is slower than the log.
     agree = 2.0 * assumed.CLOCK
     if read and sum(abs(read + delay) <= agree * period for delay in named.values()) > 2:
         return 0.0
     kept = 1.0 / white.problem.measured.rate
-    largest = max(0.5, agree * kept / period) + agree
+    largest = max(HELD, agree * kept / period + agree)
     shares = np.append(np.linspace(-largest, largest, 2 * STEPS + 1), read / period)
     lost = _of_joints(white, fit, period, shares - read / period)
     if not lost:

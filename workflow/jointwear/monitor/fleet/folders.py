@@ -73,27 +73,19 @@ def namesakes(own: Path, folder: Path, name: str) -> list[str]:
     return [words]
 
 
-def left_folders(folder: Path, known: Collection[str], configuration: str) -> list[str]:
-    """Return the names of the folders of robots that a configuration named once and does not any more, in order.
+def further_folders(folder: Path, known: Collection[str], configuration: str) -> tuple[list[str], list[str]]:
+    """Return the names of the folders of robots that a configuration named once and does not any more, and of those
+    that other configurations named, both in order.
 
     Parameters
     ----------
     folder : of the robots. known : names of the folders of the robots that the configuration names now.
-    configuration : see :func:`own_folder`; robots of another one are none of it.
+    configuration : see :func:`own_folder`.
     """
-    return [name for name, mark in _others(folder, known).items() if mark[1:] == [configuration]]
-
-
-def folders_of_others(folder: Path, known: Collection[str], configuration: str) -> list[str]:
-    """Return the names of the folders of robots that other configurations named, in order; arguments as of
-    :func:`left_folders`."""
-    return [name for name, mark in _others(folder, known).items() if mark[1:] not in ([], [configuration])]
-
-
-def _others(folder: Path, known: Collection[str]) -> dict[str, list[str]]:
-    """Return the marks of the folders that are not `known` by their names, in order."""
     paths = [path for path in sorted(folder.glob(f"*/{WHOSE}")) if path.parent.name not in known]
-    return {path.parent.name: _mark(path) for path in paths}
+    marks = {path.parent.name: _mark(path)[1:] for path in paths}
+    left = [name for name, whose in marks.items() if whose == [configuration]]
+    return left, [name for name, whose in marks.items() if whose not in ([], [configuration])]
 
 
 def _mark(file: Path) -> list[str]:

@@ -9,7 +9,7 @@ from datetime import tzinfo
 from pathlib import Path
 
 from jointwear.files.json_documents import write_json
-from jointwear.monitor.fleet.folders import folders_of_others, left_folders
+from jointwear.monitor.fleet.folders import further_folders
 from jointwear.monitor.fleet.history import join_histories
 from jointwear.monitor.fleet.metrics import write_metrics
 from jointwear.monitor.fleet.page import write_fleet_page
@@ -62,9 +62,7 @@ def summarise_fleet(
     write_table(found, table)
     write_metrics(found, now, metrics)
     join_histories(_histories(found, Path(folder)), history)
-    known = {row["folder"] for row in found}
-    left = left_folders(Path(folder), known, configuration)
-    others = folders_of_others(Path(folder), known, configuration)
+    left, others = further_folders(Path(folder), {row["folder"] for row in found}, configuration)
     write_json(rows, {"now": now, "robots": found, "left": left})
     link = Path(folder).relative_to(Path(page).parent).as_posix()
     waiting = Outbox.open(outbox).waiting if outbox else []
